@@ -1,0 +1,131 @@
+//! The one error type. Every variant says what was found, where, what was expected and what to do.
+
+use std::path::{Path, PathBuf};
+
+/// Result with [`Error`].
+pub type Result<T, E = Error> = std::result::Result<T, E>;
+
+/// Everything that can go wrong, grouped by the exit code it leads to.
+#[derive(Debug, thiserror::Error)]
+pub enum Error {
+    /// Reading or writing a file failed (exit code 1).
+    #[error("{}: {reason}", path.display())]
+    Io {
+        /// The file.
+        path: PathBuf,
+        /// What went wrong and what to do about it.
+        reason: String,
+    },
+    /// A command was used wrongly (exit code 2).
+    #[error("{0}")]
+    Usage(String),
+    /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file come together.
+    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    Scene(Vec<SceneFault>),
+    /// No adapter answers, or its limits are too low (exit code 4).
+    #[error("{0}")]
+    Adapter(String),
+    /// The device was lost (exit code 5).
+    #[error("the GPU device was lost during {during}: {reason}")]
+    DeviceLost {
+        /// The pass or step.
+        during: String,
+        /// What the driver said.
+        reason: String,
+    },
+    /// A GPU pass failed: validation, allocation (exit code 1).
+    #[error("{pass}: {reason}")]
+    Gpu {
+        /// The stem of the pass.
+        pass: String,
+        /// What went wrong.
+        reason: String,
+    },
+    /// The GPU ran out of memory in a pass, after splitting as far as it goes (exit code 1).
+    #[error("{pass}: out of GPU memory ({needed} bytes wanted): raise --memory or lower the resolution")]
+    OutOfMemory {
+        /// The stem of the pass.
+        pass: String,
+        /// Bytes asked for.
+        needed: u64,
+    },
+    /// The user interrupted (exit code 130).
+    #[error("interrupted")]
+    Interrupted,
+    /// A comparison or check did not hold (exit code 1).
+    #[error("{0}")]
+    Check(String),
+}
+
+/// One fault of a scene file or of an asset, with its place.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneFault {
+    /// The file in which the fault stands.
+    pub file: PathBuf,
+    /// Line, from 1; 0 where the fault has no line.
+    pub line: usize,
+    /// Column, from 1; 0 where unknown.
+    pub column: usize,
+    /// What was found and what was expected.
+    pub message: String,
+    /// What to do, if there is something to suggest.
+    pub help: Option<String>,
+}
+
+impl std::fmt::Display for SceneFault {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "{}", self.file.display())?;
+        if self.line > 0 {
+            write!(f, ":{}", self.line)?;
+            if self.column > 0 {
+                write!(f, ":{}", self.column)?;
+            }
+        }
+        write!(f, ": {}", self.message)?;
+        if let Some(help) = &self.help {
+            write!(f, "\n  help: {help}")?;
+        }
+        Ok(())
+    }
+}
+
+impl Error {
+    /// An I/O error of `path`.
+    pub fn io(path: impl AsRef<Path>, reason: impl std::fmt::Display) -> Self {
+        Self::Io { path: path.as_ref().to_owned(), reason: reason.to_string() }
+    }
+
+    /// A single fault without a line.
+    pub fn fault(file: impl AsRef<Path>, message: impl Into<String>) -> Self {
+        Self::fault_at(file, 0, message)
+    }
+
+    /// A single fault at a line.
+    pub fn fault_at(file: impl AsRef<Path>, line: usize, message: impl Into<String>) -> Self {
+        Self::Scene(vec![SceneFault {
+            file: file.as_ref().to_owned(),
+            line,
+            column: 0,
+            message: message.into(),
+            help: None,
+        }])
+    }
+
+    /// A failure of the GPU pass with stem `pass`.
+    pub fn gpu(pass: impl Into<String>, reason: impl std::fmt::Display) -> Self {
+        Self::Gpu { pass: pass.into(), reason: reason.to_string() }
+    }
+
+    /// The process exit code: 1 render or I/O failed; 2 usage; 3 scene invalid; 4 no adapter or its limits;
+    /// 5 device lost; 130 interrupted.
+    pub fn exit_code(&self) -> u8 {
+        match self {
+            Self::Io { .. } | Self::Gpu { .. } | Self::OutOfMemory { .. } | Self::Check(_) => 1,
+            Self::Usage(_) => 2,
+            Self::Scene(_) => 3,
+            Self::Adapter(_) => 4,
+            Self::DeviceLost { .. } => 5,
+            Self::Interrupted => 130,
+        }
+    }
+}

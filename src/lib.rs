@@ -1,0 +1,18 @@
+//! pelage: a hybrid fur renderer.
+
+pub mod assets;
+pub mod error;
+pub mod film;
+pub mod light;
+pub mod maps;
+pub mod mesh;
+pub mod render;
+pub mod scene;
+pub mod skin;
+pub mod stats;
+pub mod world;
+
+pub use error::{Error, Result, SceneFault};
+pub use scene::Scene;
+pub use skin::Skin;
+pub use world::World;

@@ -1,0 +1,2 @@
+//! pelage
+fn main() {}

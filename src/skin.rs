@@ -1,0 +1,60 @@
+//! The skin: what a mesh becomes before any pass reads it.
+
+use crate::mesh::Mesh;
+use glam::{Vec2, Vec3};
+
+/// A neighbour that is not there: the edge is a boundary.
+pub const NONE: u32 = u32::MAX;
+
+/// The surface that carries the fur, in world space (cm).
+///
+/// Positions are welded, so that edges are shared wherever two triangles touch; uv coordinates stay with the
+/// triangle corners, so that a uv seam does not cut the topology.
+#[derive(Debug, Clone, Default)]
+pub struct Skin {
+    /// Vertex positions, cm, world space.
+    pub positions: Vec<Vec3>,
+    /// Smoothed unit normals, one a vertex, angle weighted.
+    pub normals: Vec<Vec3>,
+    /// Vertex colours as read from the file (linear RGB), one a vertex, white where the file has none.
+    pub colors: Vec<Vec3>,
+    /// Corner indices of each triangle, counter-clockwise from outside.
+    pub triangles: Vec<[u32; 3]>,
+    /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up triplanar).
+    pub corner_uv: Option<Vec<[Vec2; 3]>>,
+    /// What loading repaired or noticed, for the user.
+    pub notes: Vec<String>,
+}
+
+impl Skin {
+    /// Area of triangle `t`, cm².
+    pub fn triangle_area(&self, t: usize) -> f32 {
+        let [a, b, c] = self.corners(t);
+        0.5 * (b - a).cross(c - a).length()
+    }
+
+    /// Corner positions of triangle `t`.
+    pub fn corners(&self, t: usize) -> [Vec3; 3] {
+        self.triangles[t].map(|i| self.positions[i as usize])
+    }
+
+    /// Total area, cm².
+    pub fn area(&self) -> f64 {
+        (0..self.triangles.len()).map(|t| f64::from(self.triangle_area(t))).sum()
+    }
+
+    /// Axis-aligned bounds.
+    pub fn bounds(&self) -> (Vec3, Vec3) {
+        self.positions
+            .iter()
+            .fold((Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)), |(lo, hi), p| {
+                (lo.min(*p), hi.max(*p))
+            })
+    }
+}
+
+impl From<Mesh> for Skin {
+    fn from(mesh: Mesh) -> Self {
+        crate::mesh::skin_of(mesh)
+    }
+}

@@ -1,0 +1,26 @@
+//! The loaded scene: everything that the passes read, in world space and physical units.
+
+use crate::{Result, Scene, Skin, assets::Assets, light::Light, maps::MapSet};
+
+/// A scene with its assets.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// The scene file's content.
+    pub scene: Scene,
+    /// The skin.
+    pub skin: Skin,
+    /// All lights, the environment's included.
+    pub lights: Vec<Light>,
+    /// The image maps that the groom names.
+    pub maps: MapSet,
+}
+
+impl World {
+    /// Loads what `scene` names.
+    pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
+        let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
+        let lights = crate::light::lights_of(&scene, assets)?;
+        let maps = MapSet::load(&scene, assets)?;
+        Ok(Self { scene, skin, lights, maps })
+    }
+}
