@@ -3,6 +3,8 @@
 pub mod assets;
 pub mod error;
 pub mod film;
+pub mod gpu;
+pub mod layout;
 pub mod light;
 pub mod maps;
 pub mod mesh;
