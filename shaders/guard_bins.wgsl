@@ -36,7 +36,7 @@ fn touched(strand: u32) -> vec4i {
     var in_front = false;
     for (var k = 0u; k <= groom.segments; k++) {
         let v = strand_vertices[first + k];
-        let p = tile_from_world(v.xyz);
+        let p = film_from_world(v.xyz);
         if p.z <= frame.near {
             crosses_near = true;
             continue;
@@ -52,7 +52,7 @@ fn touched(strand: u32) -> vec4i {
     if crosses_near {
         return vec4i(vec2i(0), vec2i(tiles.grid) - 1);
     }
-    let origin = vec2f(tiles.origin - frame.tile_origin);
+    let origin = vec2f(tiles.origin);
     let size = vec2f(tiles.size);
     let a = vec2i(clamp(floor((low - tiles.margin - origin) / size), vec2f(0.0), vec2f(tiles.grid)));
     let b = vec2i(clamp(floor((high + tiles.margin - origin) / size), vec2f(-1.0), vec2f(tiles.grid) - 1.0));

@@ -48,8 +48,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     color_b = select(color_b, color_a, last_b.y > 0.5);
     let va = strand_vertices[at];
     let vb = strand_vertices[at + 1u];
-    var a = tile_from_world(va.xyz);
-    var b = tile_from_world(vb.xyz);
+    var a = film_from_world(va.xyz);
+    var b = film_from_world(vb.xyz);
     if a.z <= frame.near || b.z <= frame.near {
         return; // through the near plane: the eye is in the fur
     }
@@ -65,11 +65,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let b_major = select(b.x, b.y, steep);
     let a_minor = select(a.y, a.x, steep);
     let d_minor = select(d.y, d.x, steep);
-    let extent = vec2i(select(vec2u(frame.tile_size.x, frame.tile_size.y), vec2u(frame.tile_size.y, frame.tile_size.x), steep));
+    let tile_low = select(frame.tile_origin, frame.tile_origin.yx, steep);
+    let tile_high = tile_low + vec2i(select(frame.tile_size, frame.tile_size.yx, steep));
     let span = b_major - a_major;
     let cosine = abs(span) * inverseSqrt(max(dot(d, d), 1e-20));
-    let first = max(0, i32(ceil(min(a_major, b_major) - 0.5)));
-    let end = min(extent.x, i32(ceil(max(a_major, b_major) - 0.5)));
+    let first = max(tile_low.x, i32(ceil(min(a_major, b_major) - 0.5)));
+    let end = min(tile_high.x, i32(ceil(max(a_major, b_major) - 0.5)));
     for (var column = first; column < end; column++) {
         let u = (f32(column) + 0.5 - a_major) / span;
         // Along the hair in space: the projection divides by depth.
@@ -78,15 +79,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let radius = mix(radius_a, radius_b, u);
         let middle = a_minor + u * d_minor;
         let reach = (radius + 0.5) / cosine;
-        let low = max(0, i32(ceil(middle - reach - 0.5)));
-        let high = min(extent.y - 1, i32(floor(middle + reach - 0.5)));
+        let low = max(tile_low.y, i32(ceil(middle - reach - 0.5)));
+        let high = min(tile_high.y - 1, i32(floor(middle + reach - 0.5)));
         for (var row = low; row <= high; row++) {
             let across = abs(f32(row) + 0.5 - middle) * cosine;
             let alpha = ribbon_coverage(across, radius) * mix(opacity_a, opacity_b, w);
             if alpha < 1e-4 {
                 continue;
             }
-            let xy = select(vec2u(u32(column), u32(row)), vec2u(u32(row), u32(column)), steep);
+            let xy = vec2u(select(vec2i(column, row), vec2i(row, column), steep) - frame.tile_origin);
             let index = xy.y * frame.tile_size.x + xy.x;
             if z < bitcast<f32>(base_records[index].x) {
                 add_fragment(index, z, source, vec4f(mix(color_a, color_b, w) * alpha, alpha));

@@ -15,33 +15,47 @@
 struct Varying {
     @builtin(position) clip: vec4f,
     @interpolate(flat) @location(0) prism: u32,
+    @interpolate(flat) @location(1) plane: vec4f, // normal, and distance from the eye times its length
+}
+
+fn plane_of(a: vec3f, b: vec3f, c: vec3f) -> vec4f {
+    let n = cross(b - a, c - a);
+    return vec4f(n, dot(n, a - frame.eye));
+}
+
+fn raised(vertex: u32) -> vec3f {
+    return shell_vertices[vertex].position + shell_vertices[vertex].height * shell_vertices[vertex].normal;
 }
 
 @vertex
 fn top(@builtin(vertex_index) i: u32) -> Varying {
     let prism = i / 3u;
-    let v = shell_vertices[prisms[prism].vertices[i % 3u]];
-    return Varying(clip_from_world(v.position + v.height * v.normal), prism);
+    let v = prisms[prism].vertices;
+    return Varying(clip_from_world(raised(v[i % 3u])), prism, plane_of(raised(v.x), raised(v.y), raised(v.z)));
 }
 
+// The wall over a border edge: two triangles that face outwards.
 @vertex
 fn wall(@builtin(vertex_index) i: u32) -> Varying {
-    // Two triangles: skin a, skin b, top b; skin a, top b, top a. Seen from outside they turn like the skin's own edge reversed.
     let edge = border[i / 6u];
-    let part = i % 6u;
-    let second = part == 1u || part == 2u || part == 4u;
-    let raised = part == 2u || part >= 4u;
-    let corner = (edge.y + select(1u, 2u, second)) % 3u;
-    let v = shell_vertices[prisms[edge.x].vertices[corner]];
-    return Varying(clip_from_world(v.position + select(0.0, v.height, raised) * v.normal), edge.x);
+    let v = prisms[edge.x].vertices;
+    let a = v[(edge.y + 1u) % 3u];
+    let b = v[(edge.y + 2u) % 3u];
+    var p = array<vec3f, 3>(shell_vertices[a].position, shell_vertices[b].position, raised(b));
+    if i % 6u >= 3u {
+        p = array<vec3f, 3>(shell_vertices[a].position, raised(b), raised(a));
+    }
+    return Varying(clip_from_world(p[i % 3u]), edge.x, plane_of(p[0], p[1], p[2]));
 }
 
 @fragment
 fn fragment(in: Varying) {
     let xy = vec2u(in.clip.xy);
     let i = xy.y * frame.tile_size.x + xy.x;
-    let z = 1.0 / in.clip.w;
-    if z < bitcast<f32>(base_records[i].x) {
+    // The depth from the plane itself: the raster's interpolation depends on the tile.
+    let along = dot(sample_ray(xy), in.plane.xyz);
+    let z = in.plane.w / select(along, -1e-20, abs(along) < 1e-20);
+    if z > frame.near && z < bitcast<f32>(base_records[i].x) {
         add_fragment(i, z, (KIND_ENTRY << KIND_SHIFT) | (in.prism & ID_MASK), vec4f(0.0));
     }
 }

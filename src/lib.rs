@@ -1,13 +1,16 @@
 //! pelage: a hybrid fur renderer.
 
 pub mod assets;
+pub mod camera;
 pub mod error;
 pub mod film;
 pub mod gpu;
+pub mod groom;
 pub mod layout;
 pub mod light;
 pub mod maps;
 pub mod mesh;
+pub mod passes;
 pub mod render;
 pub mod scene;
 pub mod skin;

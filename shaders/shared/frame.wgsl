@@ -31,25 +31,30 @@ fn sample_ray(xy: vec2u) -> vec3f {
     return frame.forward + slope.x * frame.right + slope.y * frame.up;
 }
 
-// World to tile space: xy in samples (sample centres at half integers), z depth in cm.
-fn tile_from_world(p: vec3f) -> vec3f {
+// World to film space: xy in samples (sample centres at half integers), z depth in cm. Nothing here depends on the tile, so that the
+// result does not either.
+fn film_from_world(p: vec3f) -> vec3f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);
     let slope = vec2f(dot(v, frame.right), dot(v, frame.up)) / z + frame.lens_shear;
     let ndc = slope / vec2f(frame.tan_x, frame.tan_y);
-    let s = (ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size;
-    return vec3f(s - vec2f(frame.tile_origin) - frame.jitter, z);
+    return vec3f((ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size - frame.jitter, z);
 }
 
-// World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity.
+// World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions are rounded to the raster's own grid of
+// 1/256 sample in film space, so that a triangle covers the same samples in whatever tile it is drawn.
 fn clip_from_world(p: vec3f) -> vec4f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);
-    let slope_z = vec2f(dot(v, frame.right), dot(v, frame.up)) + frame.lens_shear * z;
-    let s_z = (slope_z / vec2f(frame.tan_x, frame.tan_y) * vec2f(0.5, -0.5) + 0.5 * z) * frame.film_size;
-    let tile_z = s_z - (vec2f(frame.tile_origin) + frame.jitter) * z;
-    let ndc_z = (2.0 * tile_z / vec2f(frame.tile_size) - z) * vec2f(1.0, -1.0);
-    return vec4f(ndc_z, frame.near, z);
+    if z < frame.near {
+        let slope_z = vec2f(dot(v, frame.right), dot(v, frame.up)) + frame.lens_shear * z;
+        let s_z = (slope_z / vec2f(frame.tan_x, frame.tan_y) * vec2f(0.5, -0.5) + 0.5 * z) * frame.film_size;
+        let tile_z = s_z - (vec2f(frame.tile_origin) + frame.jitter) * z;
+        return vec4f((2.0 * tile_z / vec2f(frame.tile_size) - z) * vec2f(1.0, -1.0), frame.near, z);
+    }
+    let s = round(film_from_world(p).xy * 256.0) / 256.0 - vec2f(frame.tile_origin);
+    let ndc = (2.0 * s / vec2f(frame.tile_size) - 1.0) * vec2f(1.0, -1.0);
+    return vec4f(ndc * z, frame.near, z);
 }
 
 // Samples per cm at depth 1.
