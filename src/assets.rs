@@ -35,7 +35,8 @@ impl Assets {
     /// Where files are looked for and how to get those that the scenes use.
     pub fn advice(&self) -> String {
         let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
-        let unset = if std::env::var_os("PELAGE_ASSETS").is_some() { "" } else { ", PELAGE_ASSETS (not set)" };
+        let unset =
+            if std::env::var_os("PELAGE_ASSETS").is_some() { "" } else { ", PELAGE_ASSETS (not set)" };
         format!(
             "looked in {}{unset}; scripts/fetch_assets.sh fetches the bunny and the environment maps into assets/",
             folders.join(", ")

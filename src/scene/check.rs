@@ -106,12 +106,15 @@ impl Checker<'_> {
                 let wrong = |key, bad: fn(u64, u64) -> bool| {
                     schema.get(key).and_then(Json::as_u64).is_some_and(|limit| bad(length, limit))
                 };
-                let (short, long) = (wrong("minItems", |n, min| n < min), wrong("maxItems", |n, max| n > max));
+                let (short, long) =
+                    (wrong("minItems", |n, min| n < min), wrong("maxItems", |n, max| n > max));
                 let node = Node { origin, value: Value::Array(items) };
                 if short || long {
                     return self.wrong_kind(path, &node, schema);
                 }
-                let (Value::Array(items), Some(item)) = (node.value, schema.get("items")) else { return None };
+                let (Value::Array(items), Some(item)) = (node.value, schema.get("items")) else {
+                    return None;
+                };
                 let checked: Vec<_> = items
                     .into_iter()
                     .enumerate()
@@ -201,11 +204,16 @@ impl Checker<'_> {
                     let known: Vec<_> = properties(schema);
                     let help = match schema::nearest(&key, known.iter().copied()) {
                         Some(near) => format!("did you mean \"{near}\"?"),
-                        None => elsewhere(&key, path).unwrap_or_else(|| format!("known: {}", known.join(", "))),
+                        None => {
+                            elsewhere(&key, path).unwrap_or_else(|| format!("known: {}", known.join(", ")))
+                        }
                     };
                     let place = if path.is_empty() { "the scene".into() } else { format!("[{path}]") };
-                    let fault =
-                        self.sources.fault(&entry.key, format!("unknown key \"{key}\" in {place}"), Some(help));
+                    let fault = self.sources.fault(
+                        &entry.key,
+                        format!("unknown key \"{key}\" in {place}"),
+                        Some(help),
+                    );
                     self.faults.push((inner, fault));
                 }
             }

@@ -58,10 +58,14 @@ impl Scene {
     /// As [`Scene::load`].
     pub fn load_with(path: &Path, overrides: &[Override]) -> Result<(Self, Assets)> {
         let text = std::fs::read(path).map_err(|e| {
-            Error::fault(path, format!("cannot read the scene file: {e}; scenes to start from are in scenes/"))
+            Error::fault(
+                path,
+                format!("cannot read the scene file: {e}; scenes to start from are in scenes/"),
+            )
         })?;
         let text = String::from_utf8(text).map_err(|e| {
-            let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
+            let line =
+                e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
             Error::fault_at(path, line, "not UTF-8 text: is this a scene file?")
         })?;
         let mut loader = Loader::default();
@@ -151,7 +155,9 @@ impl Loader {
                 return None;
             }
         };
-        let Some(Value::Array(items)) = tree.get("include").map(|n| n.value.clone()) else { return Some(tree) };
+        let Some(Value::Array(items)) = tree.get("include").map(|n| n.value.clone()) else {
+            return Some(tree);
+        };
         if !items.iter().all(|i| matches!(i.value, Value::String(_))) {
             return Some(tree); // The schema check names the wrong type.
         }

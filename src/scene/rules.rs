@@ -23,9 +23,7 @@ pub(super) fn broken(
     let mut faults: Vec<_> = relations(scene)
         .into_iter()
         .filter(|(paths, ..)| !paths.iter().any(|p| known_bad.contains(&top(p))))
-        .map(|(paths, message, help)| {
-            sources.fault(tree.origin_of(paths[0]), message, Some(help.to_owned()))
-        })
+        .map(|(paths, message, help)| sources.fault(tree.origin_of(paths[0]), message, Some(help.to_owned())))
         .collect();
     for (i, light) in scene.lights.iter().enumerate() {
         if Vec3::from(light.direction).length_squared() < 1e-12 {
@@ -61,7 +59,12 @@ fn relations(scene: &Scene) -> Vec<Broken> {
     let camera = &scene.camera;
     let view = Vec3::from(camera.target) - Vec3::from(camera.eye);
     let up = Vec3::from(camera.up);
-    rule(view.length() > 0.0, &["camera.target", "camera.eye"], "camera: eye and target are the same", "move one");
+    rule(
+        view.length() > 0.0,
+        &["camera.target", "camera.eye"],
+        "camera: eye and target are the same",
+        "move one",
+    );
     rule(
         view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
         &["camera.up", "camera.eye", "camera.target"],
@@ -130,7 +133,10 @@ fn collect_files<'a>(path: &str, node: &'a Node, found: &mut Vec<(String, &'a No
             table.iter().for_each(|(key, e)| collect_files(&check::join(path, key), &e.node, found));
         }
         Value::Array(items) => {
-            items.iter().enumerate().for_each(|(i, n)| collect_files(&check::join(path, &i.to_string()), n, found));
+            items
+                .iter()
+                .enumerate()
+                .for_each(|(i, n)| collect_files(&check::join(path, &i.to_string()), n, found));
         }
         Value::String(name) => {
             let is_map = path.ends_with(".map") && name != "vertex_color";

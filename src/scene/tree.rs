@@ -66,11 +66,6 @@ impl Sources {
         Origin { source: self.0.len() - 1, span: None }
     }
 
-    /// The name of the source that `origin` is in.
-    pub fn name(&self, origin: &Origin) -> &Path {
-        &self.0[origin.source].name
-    }
-
     /// A fault at `origin`.
     pub fn fault(&self, origin: &Origin, message: impl Into<String>, help: Option<String>) -> SceneFault {
         let source = &self.0[origin.source];

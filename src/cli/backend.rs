@@ -1,0 +1,108 @@
+//! Parts of the library that the command line calls and that are made elsewhere. This file goes away when they are
+//! there: each module is then `crate::` with the path in its comment.
+
+use crate::{Error, Result};
+
+fn absent<T>(what: &str) -> Result<T> {
+    Err(Error::Check(format!("{what} is not part of this build")))
+}
+
+/// `crate::gpu`
+pub(super) mod gpu {
+    pub struct AdapterSummary {
+        pub name: String,
+        pub backend: String,
+        pub driver: String,
+        pub device_type: String,
+        pub limits_ok: Result<(), String>,
+    }
+    pub fn list_adapters() -> Vec<AdapterSummary> {
+        Vec::new()
+    }
+}
+
+/// `crate::render` (`strands`), `crate::hair` (`HairFile`)
+pub(super) mod render {
+    use crate::{Result, World};
+    use std::path::Path;
+    pub struct HairFile;
+    impl HairFile {
+        pub fn write(&self, _path: &Path) -> Result<()> {
+            super::absent("writing hair files")
+        }
+    }
+    pub fn strands(_world: &World) -> Result<HairFile> {
+        super::absent("making strands")
+    }
+}
+
+/// `crate::film::io`
+pub(super) mod io {
+    use crate::{Result, film::Film, scene::FilmSpec};
+    use std::path::Path;
+    #[derive(Default)]
+    pub struct Metadata {
+        pub entries: Vec<(String, String)>,
+    }
+    pub fn write(_film: &Film, _path: &Path, metadata: &Metadata, _spec: &FilmSpec) -> Result<()> {
+        super::absent(&format!("writing images ({} entries)", metadata.entries.len()))
+    }
+    pub fn read(_path: &Path) -> Result<Film> {
+        super::absent("reading images")
+    }
+}
+
+/// `crate::film::composite`
+pub(super) mod composite {
+    use crate::{Result, Scene, assets::Assets, film::Film};
+    pub fn over_background(_film: &mut Film, _scene: &Scene, _assets: &Assets) -> Result<()> {
+        super::absent("the background")
+    }
+}
+
+/// `crate::compare`
+pub(super) mod compare {
+    use crate::{Result, film::Film};
+    pub struct Comparison {
+        pub rmse: f64,
+        pub relative_mse: f64,
+        pub psnr: f64,
+        pub flip: f64,
+        pub error_image: Film,
+    }
+    pub fn compare(_a: &Film, _b: &Film) -> Result<Comparison> {
+        super::absent("comparing")
+    }
+}
+
+/// `crate::bench`
+pub(super) mod bench {
+    use crate::Result;
+    use std::path::PathBuf;
+    pub struct Options {
+        pub scenes: Vec<PathBuf>,
+        pub sizes: Vec<[u32; 2]>,
+        pub runs: u32,
+        pub memory: Option<u64>,
+        pub json: Option<PathBuf>,
+    }
+    pub fn run(o: &Options) -> Result<()> {
+        let cells = (o.scenes.len() * o.sizes.len()) as u64 * u64::from(o.runs) + o.memory.unwrap_or(0);
+        super::absent(&format!("the bench ({cells}, {:?})", o.json))
+    }
+}
+
+/// `crate::figure`
+pub(super) mod figure {
+    use crate::Result;
+    use std::path::PathBuf;
+    pub struct Options {
+        /// `None`: list them.
+        pub name: Option<String>,
+        pub out: Option<PathBuf>,
+        pub quick: bool,
+    }
+    pub fn run(o: &Options) -> Result<()> {
+        super::absent(&format!("the figure {:?} ({:?}, quick: {})", o.name, o.out, o.quick))
+    }
+}
