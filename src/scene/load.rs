@@ -77,6 +77,10 @@ impl Scene {
                 assets.folders.insert(1, folder);
             }
         }
+        if !overrides.is_empty() {
+            // Who names a file on the command line names it from where they are.
+            assets.folders.push(PathBuf::from("."));
+        }
         faults.extend(rules::missing_files(&tree, &loader.sources, &assets));
         loader.finish(scene, faults).map(|scene| (scene, assets))
     }

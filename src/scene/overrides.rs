@@ -61,7 +61,7 @@ fn place<'a>(tree: &'a mut Node, keys: &[&str], origin: &Origin) -> Result<&'a m
                         items.push(Node::empty(origin.clone()));
                         &mut items[i]
                     }
-                    Some(i) => return Err(format!("{} has {length} items, there is no item {i}", path())),
+                    Some(i) => return Err(format!("{} has length {length}, there is no item {i}", path())),
                     None => return Err(format!("{} is an array, \"{key}\" is no index", path())),
                 }
             }
