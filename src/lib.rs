@@ -1,6 +1,7 @@
 //! pelage: a hybrid fur renderer.
 
 pub mod assets;
+pub mod compare;
 pub mod error;
 pub mod film;
 pub mod light;
