@@ -2,6 +2,7 @@
 
 pub mod assets;
 pub mod cli;
+pub mod compare;
 pub mod error;
 pub mod film;
 pub mod light;

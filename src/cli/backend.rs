@@ -9,12 +9,15 @@ fn absent<T>(what: &str) -> Result<T> {
 
 /// `crate::gpu`
 pub(super) mod gpu {
+    #[derive(serde::Serialize)]
     pub struct AdapterSummary {
         pub name: String,
         pub backend: String,
         pub driver: String,
         pub device_type: String,
-        pub limits_ok: Result<(), String>,
+        pub binding_bytes: u64,
+        pub timestamps: bool,
+        pub lacks: Option<String>,
     }
     pub fn list_adapters() -> Vec<AdapterSummary> {
         Vec::new()
@@ -33,45 +36,6 @@ pub(super) mod render {
     }
     pub fn strands(_world: &World) -> Result<HairFile> {
         super::absent("making strands")
-    }
-}
-
-/// `crate::film::io`
-pub(super) mod io {
-    use crate::{Result, film::Film, scene::FilmSpec};
-    use std::path::Path;
-    #[derive(Default)]
-    pub struct Metadata {
-        pub entries: Vec<(String, String)>,
-    }
-    pub fn write(_film: &Film, _path: &Path, metadata: &Metadata, _spec: &FilmSpec) -> Result<()> {
-        super::absent(&format!("writing images ({} entries)", metadata.entries.len()))
-    }
-    pub fn read(_path: &Path) -> Result<Film> {
-        super::absent("reading images")
-    }
-}
-
-/// `crate::film::composite`
-pub(super) mod composite {
-    use crate::{Result, Scene, assets::Assets, film::Film};
-    pub fn over_background(_film: &mut Film, _scene: &Scene, _assets: &Assets) -> Result<()> {
-        super::absent("the background")
-    }
-}
-
-/// `crate::compare`
-pub(super) mod compare {
-    use crate::{Result, film::Film};
-    pub struct Comparison {
-        pub rmse: f64,
-        pub relative_mse: f64,
-        pub psnr: f64,
-        pub flip: f64,
-        pub error_image: Film,
-    }
-    pub fn compare(_a: &Film, _b: &Film) -> Result<Comparison> {
-        super::absent("comparing")
     }
 }
 

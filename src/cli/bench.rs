@@ -1,7 +1,7 @@
 //! `pelage bench`.
 
-use super::{args, backend::bench, output};
-use crate::Result;
+use super::{args, backend::bench};
+use crate::{Result, film::io};
 use clap::Args;
 use std::{num::NonZeroU32, path::PathBuf};
 
@@ -26,7 +26,7 @@ pub(super) struct BenchArgs {
 
 pub(super) fn run(args: &BenchArgs) -> Result<()> {
     if let Some(path) = &args.json {
-        output::test_writable(path)?;
+        io::check_target(path)?;
     }
     bench::run(&bench::Options {
         scenes: args.scenes.clone(),

@@ -1,15 +1,10 @@
 //! `pelage compare`.
 
-use super::{
-    args,
-    backend::{
-        compare,
-        io::{self, Metadata},
-    },
-    output,
-};
+use super::{args, output};
 use crate::{
     Error, Result,
+    compare::{self, ErrorImage, Thresholds},
+    film::{Metadata, io},
     scene::{FilmSpec, Tonemap},
 };
 use clap::Args;
@@ -17,7 +12,7 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArgs {
-    /// The image to judge (EXR, HDR or PNG).
+    /// The image to judge (EXR, PNG or HDR).
     #[arg(value_name = "A")]
     a: PathBuf,
     /// The reference.
@@ -32,6 +27,9 @@ pub(super) struct CompareArgs {
     /// Write the error image, .png or .exr.
     #[arg(long = "outfile", short = 'o', value_name = "FILE")]
     outfile: Option<PathBuf>,
+    /// What the error image shows: flip, difference, or difference*FACTOR.
+    #[arg(long, value_name = "KIND", default_value = "flip", value_parser = error_kind)]
+    error: ErrorImage,
     /// Print JSON.
     #[arg(long)]
     json: bool,
@@ -42,40 +40,47 @@ pub(super) struct CompareArgs {
 /// # Errors
 /// [`Error::Check`] where a threshold is given and passed.
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
+    args.outfile.iter().try_for_each(io::check_writable)?;
+    let (image, reference) = (io::read(&args.a)?, io::read(&args.b)?);
+    let result = compare::compare(&image, &reference)?;
     if let Some(path) = &args.outfile {
-        output::test_writable(path)?;
-    }
-    let result = compare::compare(&io::read(&args.a)?, &io::read(&args.b)?)?;
-    if let Some(path) = &args.outfile {
+        let picture = compare::error_image(&image, &reference, args.error)?;
         let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
-        io::write(&result.error_image, path, &Metadata::default(), &spec)?;
+        let meta = Metadata::of_program().with_command_line(output::command_line());
+        io::write(&picture, path, &meta, &spec)?;
     }
-    let metrics = [
-        ("rmse", result.rmse),
-        ("relative_mse", result.relative_mse),
-        ("psnr", result.psnr),
-        ("flip", result.flip),
-    ];
+    let json = serde_json::to_value(&result)
+        .map_err(|e| Error::Check(format!("the comparison cannot be written as JSON: {e}")))?;
     if args.json {
-        // JSON has no infinity: the PSNR of equal images is null.
-        output::print_json(
-            &metrics.map(|(k, v)| (k.to_owned(), serde_json::json!(v))).into_iter().collect(),
-        )?;
+        output::print_json(&json)?;
     } else {
-        for (name, value) in metrics {
-            output::print(&format!("{name:<13} {value:.6}\n"))?;
-        }
+        let metrics = [
+            ("RMSE", result.rmse),
+            ("relative MSE", result.relative_mse),
+            ("PSNR, dB", result.psnr),
+            ("SSIM", result.ssim),
+            ("FLIP", result.flip),
+            ("luminance ratio", result.luminance_ratio),
+            ("alpha difference", result.alpha_difference),
+            ("largest difference", result.max_abs),
+        ];
+        let lines: Vec<_> = metrics.iter().map(|(name, value)| format!("{name:<19} {value:.6}\n")).collect();
+        output::print(&lines.concat())?;
     }
-    let limits = [("rmse", result.rmse, args.threshold_rmse), ("flip", result.flip, args.threshold_flip)];
-    let past: Vec<_> = limits
-        .into_iter()
-        .filter_map(|(name, value, limit)| limit.map(|limit| (name, value, limit)))
-        // Not `value > limit`: a value that is no number must fail too.
-        .filter(|(_, value, limit)| !matches!(value.partial_cmp(limit), Some(o) if o.is_le()))
-        .map(|(name, value, limit)| format!("{name} is {value:.6}, more than {limit}"))
-        .collect();
-    if past.is_empty() {
-        return Ok(());
+    let limits = Thresholds { rmse: args.threshold_rmse, flip: args.threshold_flip, ..Thresholds::default() };
+    match result.exceeds(&limits) {
+        None => Ok(()),
+        Some(why) => Err(Error::Check(format!("{} and {}: {why}", args.a.display(), args.b.display()))),
     }
-    Err(Error::Check(format!("{} differs from {}: {}", args.a.display(), args.b.display(), past.join("; "))))
+}
+
+fn error_kind(text: &str) -> Result<ErrorImage, String> {
+    match text {
+        "flip" => Ok(ErrorImage::Flip),
+        "difference" => Ok(ErrorImage::Difference(1.0)),
+        other => match other.strip_prefix("difference*").map(args::threshold) {
+            Some(factor) => Ok(ErrorImage::Difference(factor? as f32)),
+            None => Err("expected flip, difference, or difference*10 with a factor of your choice".into()),
+        },
+    }
 }

@@ -18,25 +18,20 @@ pub(super) struct DevicesArgs {
 pub(super) fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = gpu::list_adapters();
     if args.json {
-        let rows: Vec<_> = adapters
-            .iter()
-            .map(|a| {
-                serde_json::json!({
-                    "name": a.name, "backend": a.backend, "driver": a.driver, "device_type": a.device_type,
-                    "usable": a.limits_ok.is_ok(), "reason": a.limits_ok.as_ref().err(),
-                })
-            })
-            .collect();
-        output::print_json(&rows.into())?;
+        let rows = serde_json::to_value(&adapters)
+            .map_err(|e| Error::Check(format!("the adapters cannot be written as JSON: {e}")))?;
+        output::print_json(&rows)?;
     } else {
         for a in &adapters {
-            let usable = match &a.limits_ok {
-                Ok(()) => "usable".to_owned(),
-                Err(why) => format!("not usable: {why}"),
-            };
+            let usable = a.lacks.as_ref().map_or("usable".into(), |lacks| format!("not usable: {lacks}"));
+            let timestamps = if a.timestamps { "timestamps" } else { "no timestamps" };
             output::print(&format!(
-                "{}\n  {}, {}, {}\n  {usable}\n",
-                a.name, a.backend, a.device_type, a.driver
+                "{}\n  {}, {}, {}\n  storage bindings up to {}, {timestamps}\n  {usable}\n",
+                a.name,
+                a.backend,
+                a.device_type,
+                a.driver,
+                output::human_bytes(a.binding_bytes)
             ))?;
         }
     }

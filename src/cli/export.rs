@@ -6,7 +6,7 @@ use super::{
     backend::render,
     output::{self, count},
 };
-use crate::{Result, World, mesh};
+use crate::{Result, World, film::io, mesh};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -25,7 +25,7 @@ pub(super) struct ExportArgs {
 
 pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    args.strands.iter().chain(&args.mesh).try_for_each(|path| output::test_writable(path))?;
+    args.strands.iter().chain(&args.mesh).try_for_each(|path| io::check_target(path))?;
     let world = World::load(scene, &assets)?;
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {

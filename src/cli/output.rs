@@ -1,6 +1,6 @@
 //! Files and text that leave the program.
 
-use crate::{Error, Result};
+use crate::{Error, Result, film::io};
 use std::{io::Write, path::Path};
 
 /// Prints to stdout. A reader that has gone away (`pelage schema | head`) is no error.
@@ -17,69 +17,14 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
     print(&format!("{value:#}\n"))
 }
 
-/// Finds out, before any work is done, whether `path` can be written: its folder takes a new file, and a file of that
-/// name that is already there may be replaced.
-pub(super) fn test_writable(path: &Path) -> Result<()> {
-    let folder = folder_of(path);
-    match std::fs::metadata(folder) {
-        Err(e) => {
-            let reason = format!("cannot write: the folder {}: {e}; create it first", folder.display());
-            return Err(Error::io(path, reason));
-        }
-        Ok(m) if !m.is_dir() => {
-            return Err(Error::io(path, format!("cannot write: {} is no folder", folder.display())));
-        }
-        Ok(_) => {}
-    }
-    match std::fs::metadata(path) {
-        Ok(m) if m.is_dir() => return Err(Error::io(path, "cannot write: there is a folder of that name")),
-        Ok(m) if m.permissions().readonly() => {
-            return Err(Error::io(
-                path,
-                "cannot write: the file is there and read-only; it was left as it is",
-            ));
-        }
-        _ => {}
-    }
-    temporary(folder).map(drop).map_err(|e| {
-        Error::io(path, format!("cannot write into the folder {}: {e}; choose another", folder.display()))
-    })
+/// Writes a JSON file whole or not at all.
+pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
+    io::write_atomically(path, |file| Ok(writeln!(file, "{value:#}")?))
 }
 
-/// Writes a small file whole or not at all.
-pub(super) fn write_file(path: &Path, content: &[u8]) -> Result<()> {
-    let save = || -> std::io::Result<()> {
-        let mut file = temporary(folder_of(path))?;
-        file.write_all(content)?;
-        file.as_file().sync_all()?;
-        file.persist(path).map_err(|e| e.error)?;
-        Ok(())
-    };
-    save().map_err(|e| Error::io(path, format!("cannot write: {e}")))
-}
-
-/// A temporary file with the usual permissions of new files, not the private ones of temporary files.
-fn temporary(folder: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".pelage-");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(std::fs::Permissions::from_mode(0o666));
-    }
-    builder.tempfile_in(folder)
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// The extension in lower case: empty where there is none.
-pub(super) fn extension(path: &Path) -> String {
-    path.extension().map(|e| e.to_string_lossy().to_lowercase()).unwrap_or_default()
+/// The arguments of this process.
+pub(super) fn command_line() -> Vec<String> {
+    std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
 /// Bytes in the unit that reads best.

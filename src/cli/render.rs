@@ -3,21 +3,17 @@
 use super::{
     Global,
     args::{self, SceneArgs},
-    backend::{
-        composite,
-        io::{self, Metadata},
-    },
     interrupt,
     output::{self, count, human_bytes},
     progress::Display,
 };
 use crate::{
     Error, Result, Scene, World,
+    film::{Metadata, composite, depth_of_field, io},
     render::{self, RenderOptions},
     stats::Stats,
 };
 use clap::Args;
-use sha2::{Digest, Sha256};
 use std::{path::PathBuf, sync::atomic::Ordering};
 
 #[derive(Debug, Args)]
@@ -40,14 +36,14 @@ pub(super) struct RenderArgs {
 
 /// Renders; on an interrupt the partial image is written before [`Error::Interrupted`] is returned.
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
-    for path in &args.outfile {
-        if !["png", "exr"].contains(&output::extension(path).as_str()) {
-            let found = path.display();
-            return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
-        }
+    let exr = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if let Some(path) = args.outfile.iter().find(|path| !exr(path) && !png(path)) {
+        let found = path.display();
+        return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
     }
     let (scene, assets) = args.scene.load()?;
-    args.outfile.iter().chain(&args.stats).try_for_each(|path| output::test_writable(path))?;
+    args.outfile.iter().chain(&args.stats).try_for_each(|path| io::check_target(path))?;
     let cancel = interrupt::listen()?;
     let world = World::load(scene, &assets)?;
     if !global.quiet {
@@ -61,7 +57,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     let show = |progress| display.update(progress);
     let options = RenderOptions {
         crop: args.cropwindow,
-        aovs: args.outfile.iter().any(|path| output::extension(path) == "exr"),
+        aovs: args.outfile.iter().any(exr) || world.scene.camera.lens.is_some(),
         progress: Some(&show),
         cancel: Some(cancel),
     };
@@ -69,6 +65,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     display.finish();
     let mut frame = frame?;
 
+    depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
     composite::over_background(&mut frame.film, &world.scene, &assets)?;
     let metadata = metadata(&world.scene, &frame.stats);
     for path in &args.outfile {
@@ -77,7 +74,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     let json = serde_json::to_value(&frame.stats)
         .map_err(|e| Error::Check(format!("the statistics cannot be written as JSON: {e}")))?;
     if let Some(path) = &args.stats {
-        output::write_file(path, format!("{json:#}\n").as_bytes())?;
+        output::write_json(path, &json)?;
     }
     if args.json {
         output::print_json(&json)?;
@@ -87,27 +84,14 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     if frame.complete { Ok(()) } else { Err(Error::Interrupted) }
 }
 
-/// What an image says about how it was made.
+/// What an image says about how it was made. The resolved scene renders the same without the files it included or the
+/// flags that changed it.
 fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
-    // The resolved scene renders the same without the files it included or the flags that changed it.
-    let text = toml::to_string(scene).unwrap_or_default();
-    let hash: String = Sha256::digest(&text).iter().map(|byte| format!("{byte:02x}")).collect();
-    let milliseconds = |ms: Option<f64>| ms.map_or("n/a".into(), |ms| format!("{ms:.3}"));
-    let passes: Vec<_> =
-        stats.passes.iter().map(|p| format!("{} {} ms", p.pass, milliseconds(p.ms))).collect();
-    let command: Vec<_> = std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect();
-    let entries = [
-        ("version", env!("CARGO_PKG_VERSION").to_owned()),
-        ("commit", option_env!("PELAGE_COMMIT").unwrap_or("unknown").to_owned()),
-        ("scene", text),
-        ("scene_sha256", hash),
-        ("seed", scene.render.seed.to_string()),
-        ("adapter", stats.adapter.clone()),
-        ("driver", stats.driver.clone()),
-        ("command", command.join(" ")),
-        ("passes", passes.join("; ")),
-    ];
-    Metadata { entries: entries.map(|(key, value)| (key.to_owned(), value)).into() }
+    Metadata::of_program()
+        .with_scene(&toml::to_string(scene).unwrap_or_default())
+        .with_seed(scene.render.seed)
+        .with_command_line(output::command_line())
+        .with_stats(stats)
 }
 
 /// The statistics for people: what was written, counts, and the rows of Andersen et al. 2016, Table 1.
