@@ -3,6 +3,7 @@
 pub mod assets;
 pub mod error;
 pub mod film;
+pub mod hair;
 pub mod light;
 pub mod maps;
 pub mod mesh;
