@@ -5,6 +5,7 @@ pub mod cli;
 pub mod compare;
 pub mod error;
 pub mod film;
+pub mod hair;
 pub mod light;
 pub mod maps;
 pub mod mesh;
