@@ -24,16 +24,9 @@ pub(super) mod gpu {
     }
 }
 
-/// `crate::render` (`strands`), `crate::hair` (`HairFile`)
+/// `crate::render::strands`
 pub(super) mod render {
-    use crate::{Result, World};
-    use std::path::Path;
-    pub struct HairFile;
-    impl HairFile {
-        pub fn write(&self, _path: &Path) -> Result<()> {
-            super::absent("writing hair files")
-        }
-    }
+    use crate::{Result, World, hair::HairFile};
     pub fn strands(_world: &World) -> Result<HairFile> {
         super::absent("making strands")
     }

@@ -49,7 +49,11 @@ pub fn read(path: &Path) -> Result<Mesh> {
 /// Reads OBJ text; `file` is the name in messages. Errors as [`read`].
 pub fn parse(text: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
     if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
-        return Err(Error::fault_at(file, 1, "found UTF-16 text, expected OBJ in UTF-8 or ASCII: convert it"));
+        return Err(Error::fault_at(
+            file,
+            1,
+            "found UTF-16 text, expected OBJ in UTF-8 or ASCII: convert it",
+        ));
     }
     let count = Count::of(text);
     if count.positions > limits.vertices || count.triangles > limits.triangles {
@@ -217,7 +221,12 @@ impl<'a> Scan<'a> {
                 }
                 (position, [1.0; 3])
             }
-            _ => return Err(format!("found `v` with {} numbers, expected x y z, x y z w or x y z r g b", v.len())),
+            _ => {
+                return Err(format!(
+                    "found `v` with {} numbers, expected x y z, x y z w or x y z r g b",
+                    v.len()
+                ));
+            }
         };
         if let Some(c) = color.iter().find(|c| **c < 0.0) {
             return Err(format!("found a vertex colour of {c}, expected 0 or more"));
@@ -260,7 +269,10 @@ impl<'a> Scan<'a> {
             let mut parts = word.split(|b| *b == b'/');
             let (v, vt, vn) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
             if parts.next().is_some() {
-                return Err(format!("found the corner `{}`, expected v, v/vt, v//vn or v/vt/vn", shown(word)));
+                return Err(format!(
+                    "found the corner `{}`, expected v, v/vt, v//vn or v/vt/vn",
+                    shown(word)
+                ));
             }
             let v = index(v, self.positions, self.count.positions, "vertices")?;
             let (vt, vn) = (vt.unwrap_or_default(), vn.unwrap_or_default());

@@ -29,7 +29,10 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         mesh.corner_uv = None;
     }
     if mesh.colors.len() != mesh.positions.len() {
-        report(usize::from(!mesh.colors.is_empty()), "set of vertex colours dropped: its size is not that of the mesh");
+        report(
+            usize::from(!mesh.colors.is_empty()),
+            "set of vertex colours dropped: its size is not that of the mesh",
+        );
         mesh.colors = vec![Vec3::ONE; mesh.positions.len()];
     }
 

@@ -121,7 +121,9 @@ fn fine_profile() -> Vec<(Vec2, f32)> {
         let last = PROFILE.len() as isize - 1;
         match k {
             -1 => Vec2::from(PROFILE[1]) * Vec2::new(-1.0, 1.0),
-            k if k > last => 2.0 * Vec2::from(PROFILE[last as usize]) - Vec2::from(PROFILE[last as usize - 1]),
+            k if k > last => {
+                2.0 * Vec2::from(PROFILE[last as usize]) - Vec2::from(PROFILE[last as usize - 1])
+            }
             k => Vec2::from(PROFILE[k as usize]),
         }
     };
