@@ -3,7 +3,6 @@
 
 struct Batch {
     strands: u32,
-    strand_base: u32,
 }
 
 struct Tiles {

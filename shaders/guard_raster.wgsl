@@ -5,13 +5,13 @@
 struct Bin {
     start: u32,
     strands: u32,
-    strand_base: u32,
-    padding: u32,
+    padding: vec2u,
 }
 
 @group(0) @binding(1) var<uniform> bin: Bin;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> bins: array<u32>;
+@group(0) @binding(8) var<storage, read> roots: array<Root>;
 @group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(5) var<storage, read> shades: array<vec2u>;
 @group(0) @binding(6) var<storage, read> base_records: array<vec4u>;
@@ -19,7 +19,9 @@ struct Bin {
 
 #import shared/frame
 #import shared/index
+#import shared/random
 #import shared/groom_types
+#import shared/root_types
 #import shared/strands
 #import shared/oit
 #import shared/oit_write
@@ -57,7 +59,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let radius_b = strand_radius(vb) * samples_per_slope() / b.z;
     let opacity_a = strand_opacity(va);
     let opacity_b = strand_opacity(vb);
-    let source = (KIND_STRAND << KIND_SHIFT) | (((bin.strand_base + strand) * groom.segments + k) & ID_MASK);
+    let source = (KIND_STRAND << KIND_SHIFT) | (hash2(roots[strand].seed, k) & ID_MASK);
     // Along the axis of larger extent every sample column is visited once; neighbouring segments share none.
     let d = b.xy - a.xy;
     let steep = abs(d.y) > abs(d.x);

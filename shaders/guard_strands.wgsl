@@ -3,7 +3,6 @@
 
 struct Batch {
     strands: u32,
-    strand_base: u32,
 }
 
 @group(0) @binding(1) var<uniform> batch: Batch;

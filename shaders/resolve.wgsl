@@ -102,6 +102,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     read_batch(&batch, i, -1.0, 0u);
     var next = 0u;
     var march: March;
+    var place: Place;
     begin_ray(&march, sample_ray(xy));
     let phase = first_phase(xy);
     // An entry met while another interval is marched waits; media that overlap are not counted twice.
@@ -120,9 +121,9 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         let has_node = next < batch.count;
         let z_node = select(z_base, batch.z[min(next, BATCH - 1u)], has_node);
         if march.marching && march.z >= march.z_end {
-            if !next_step(&march) && waiting != NONE {
+            if !next_step(&march, &place) && waiting != NONE {
                 skip_to = max(skip_to, march.z);
-                enter_shell(&march, waiting, waiting_z, phase);
+                enter_shell(&march, &place, waiting, waiting_z, phase);
                 waiting = NONE;
                 continue;
             }
@@ -154,7 +155,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 waiting_z = z_node;
             } else {
                 skip_to = 0.0;
-                enter_shell(&march, key & ID_MASK, z_node, phase);
+                enter_shell(&march, &place, key & ID_MASK, z_node, phase);
             }
         } else {
             over_strand(&g, node_color(batch.node[next]), z_node);

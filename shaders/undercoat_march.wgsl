@@ -40,6 +40,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
     let z_base = bitcast<f32>(base_records[i].x);
     var march: March;
+    var place: Place;
     begin_ray(&march, sample_ray(xy));
     let virtual_fragments = fur.virtual_fragments;
     var z_after = 0.0;
@@ -66,13 +67,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             break;
         }
         let consumed = march.z;
-        enter_shell(&march, entry & ID_MASK, z_entry, first_phase(xy));
+        enter_shell(&march, &place, entry & ID_MASK, z_entry, first_phase(xy));
         var through = 1.0;      // of this entry
         var chunk = vec4f(0.0); // premultiplied
         var chunk_z = z_entry;
         var closed = 0u;        // virtual fragments closed
         while march.marching && through > fur.opacity_cut {
-            if !next_step(&march) {
+            if !next_step(&march, &place) {
                 break;
             }
             let z0 = max(march.z, consumed);

@@ -1,4 +1,21 @@
-//! The film: the finished image as named planes.
+//! The film: the finished image as named planes, and what happens to it after rendering.
+//!
+//! [`filter`] gives the weights that make pixels of samples, [`depth_of_field`] and [`composite`] change the film,
+//! [`io`] writes and reads it (through [`exr`], [`png`] and [`tonemap`]) with its [`metadata`].
+
+pub mod composite;
+pub mod depth_of_field;
+pub mod exr;
+pub mod filter;
+pub mod io;
+pub mod metadata;
+pub mod png;
+pub mod resample;
+pub mod tonemap;
+
+pub use metadata::Metadata;
+
+use crate::{Error, Result};
 
 /// An image of named planes, row by row from the top, `width * height` values each.
 ///
@@ -27,6 +44,85 @@ pub struct Plane {
 }
 
 impl Film {
+    /// A film of the planes `R G B A`, all zero.
+    pub fn new(width: u32, height: u32) -> Self {
+        let mut film = Self { width, height, planes: Vec::new() };
+        for name in ["R", "G", "B", "A"] {
+            film.push(name, false, vec![0.0; film.pixels()]);
+        }
+        film
+    }
+
+    /// A film of the planes `R G B A` made of premultiplied linear pixels, row by row from the top. Missing pixels
+    /// are transparent black.
+    pub fn from_premultiplied(width: u32, height: u32, pixels: &[[f32; 4]]) -> Self {
+        let mut film = Self::new(width, height);
+        for (c, plane) in film.planes.iter_mut().enumerate() {
+            plane.data.iter_mut().zip(pixels).for_each(|(to, from)| *to = from[c]);
+        }
+        film
+    }
+
+    /// Number of pixels.
+    pub fn pixels(&self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// Adds a plane; `data` has [`Film::pixels`] values.
+    pub fn push(&mut self, name: impl Into<String>, full_precision: bool, data: Vec<f32>) {
+        self.planes.push(Plane { name: name.into(), full_precision, data });
+    }
+
+    /// The planes `R G B A` as premultiplied linear pixels.
+    ///
+    /// # Errors
+    /// [`Error::Check`] if a plane is missing or has the wrong number of values.
+    pub fn premultiplied(&self) -> Result<Vec<[f32; 4]>> {
+        self.validate()?;
+        let mut pixels = vec![[0.0; 4]; self.pixels()];
+        for (c, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
+            let plane =
+                self.plane(name).ok_or_else(|| Error::Check(format!("the film has no plane {name}")))?;
+            pixels.iter_mut().zip(plane).for_each(|(to, from)| to[c] = *from);
+        }
+        Ok(pixels)
+    }
+
+    /// Writes premultiplied linear pixels back to the planes `R G B A`, as far as they exist.
+    pub fn set_premultiplied(&mut self, pixels: &[[f32; 4]]) {
+        for (c, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
+            if let Some(plane) = self.plane_mut(name) {
+                plane.iter_mut().zip(pixels).for_each(|(to, from)| *to = from[c]);
+            }
+        }
+    }
+
+    /// Checks that the film has pixels, that each plane has as many values, and that names are unique.
+    ///
+    /// # Errors
+    /// [`Error::Check`] with the plane and both counts.
+    pub fn validate(&self) -> Result<()> {
+        if self.pixels() == 0 {
+            return Err(Error::Check(format!("the film is empty: {} x {} pixels", self.width, self.height)));
+        }
+        for (i, plane) in self.planes.iter().enumerate() {
+            if plane.data.len() != self.pixels() {
+                return Err(Error::Check(format!(
+                    "plane {} has {} values, expected {} ({} x {})",
+                    plane.name,
+                    plane.data.len(),
+                    self.pixels(),
+                    self.width,
+                    self.height
+                )));
+            }
+            if self.planes[..i].iter().any(|other| other.name == plane.name) {
+                return Err(Error::Check(format!("the film has two planes called {}", plane.name)));
+            }
+        }
+        Ok(())
+    }
+
     /// The plane called `name`.
     pub fn plane(&self, name: &str) -> Option<&[f32]> {
         self.planes.iter().find(|p| p.name == name).map(|p| p.data.as_slice())

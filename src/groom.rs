@@ -2,7 +2,7 @@
 
 use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading};
+use crate::scene::{Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
@@ -124,7 +124,10 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         columns: 0,
         keys: 0,
         opacity_cut: 0.0005,
-        virtual_fragments: 0,
+        virtual_fragments: match scene.render.blend {
+            Blend::Virtual => scene.render.virtual_fragments.max(1),
+            Blend::Simplified | Blend::Exact => 0,
+        },
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
         key_lights: [u32::MAX; 2],

@@ -451,9 +451,13 @@ impl Lattice {
             let mut add = |i: usize, j: usize| columns[t * of_triangle + at(i, j)].area += share;
             for j in 0..n {
                 for i in 0..n - j {
-                    [(i, j), (i + 1, j), (i, j + 1)].map(|(i, j)| add(i, j));
+                    for (i, j) in [(i, j), (i + 1, j), (i, j + 1)] {
+                        add(i, j);
+                    }
                     if i + j + 2 <= n {
-                        [(i + 1, j + 1), (i, j + 1), (i + 1, j)].map(|(i, j)| add(i, j));
+                        for (i, j) in [(i + 1, j + 1), (i, j + 1), (i + 1, j)] {
+                            add(i, j);
+                        }
                     }
                 }
             }

@@ -4,7 +4,7 @@ mod plan;
 mod tile;
 
 use crate::gpu::recorder::Timings;
-use crate::gpu::{Gpu, Recorder};
+use crate::gpu::Gpu;
 use crate::prepare::Prepared;
 use crate::scene::Blend;
 use crate::stats::{PassTime, Stats, Step};
@@ -79,7 +79,7 @@ pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Resul
     options.report(0.0, "shell_prisms");
     let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
     let prepared = Prepared::new(gpu, world, &view, &mut timings)?;
-    let mut film = Film::blank(scene.film.width, scene.film.height, options.aovs);
+    let mut film = tile::blank_film(scene.film.width, scene.film.height, options.aovs);
     let mut tiles = tile::Tiles::new(&prepared, world, &plan, options.aovs)?;
     let jobs = tiles.jobs(options.crop);
     tiles.bin(&jobs, &mut timings)?;
@@ -99,9 +99,6 @@ pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Resul
     stats.total_ms = started.elapsed().as_secs_f64() * 1e3;
     Ok(Frame { film, stats, complete })
 }
-
-/// Positions of the guard hairs' vertices, cm, `segments + 1` a strand, with their radii (cm), all strands in order of their triangles.
-pub type StrandVertices = Vec<[f32; 4]>;
 
 fn fill_stats(stats: &mut Stats, gpu: &Gpu, world: &World, prepared: &Prepared<'_>, timings: &Timings) {
     let scene = &world.scene;
@@ -142,6 +139,3 @@ fn fill_stats(stats: &mut Stats, gpu: &Gpu, world: &World, prepared: &Prepared<'
 pub(crate) fn marches_in_resolve(blend: Blend) -> bool {
     blend == Blend::Exact
 }
-
-#[allow(unused_imports)]
-use Recorder as _;

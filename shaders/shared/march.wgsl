@@ -14,7 +14,6 @@ struct March {
     ray: vec3f,
     view: vec3f,      // unit, to the eye
     lost: u32,
-    place: Place,
 }
 
 fn begin_ray(m: ptr<function, March>, ray: vec3f) {
@@ -27,9 +26,9 @@ fn begin_ray(m: ptr<function, March>, ray: vec3f) {
 }
 
 // Enters the shell through prism `index` at depth z; `phase` in (0, 1] is the length of the first step.
-fn enter_shell(m: ptr<function, March>, index: u32, z: f32, phase: f32) {
-    enter_prism(&(*m).place, index);
-    (*m).place.t = 1.0;
+fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32, z: f32, phase: f32) {
+    enter_prism(place, index);
+    (*place).t = 1.0;
     (*m).marching = true;
     (*m).last = false;
     (*m).z = z;
@@ -63,7 +62,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f
 }
 
 // Prepares the next step; returns false where the ray has left the shell.
-fn next_step(m: ptr<function, March>) -> bool {
+fn next_step(m: ptr<function, March>, place: ptr<function, Place>) -> bool {
     let dz = (*m).dz;
     (*m).dz = fur.step / (*m).speed;
     if (*m).last {
@@ -72,19 +71,19 @@ fn next_step(m: ptr<function, March>) -> bool {
     }
     let z_mid = (*m).z + 0.5 * dz;
     let x = frame.eye + z_mid * (*m).ray;
-    let first = (*m).z_end == (*m).z && (*m).place.t == 1.0;
-    let found = locate(&(*m).place, x, (*m).ray, select(2u, 4u, first));
-    let t = (*m).place.t;
-    let slope = (*m).place.dt_dz;
+    let first = (*m).z_end == (*m).z && (*place).t == 1.0;
+    let found = locate(place, x, (*m).ray, select(2u, 4u, first));
+    let t = (*place).t;
+    let slope = (*place).dt_dz;
     if found != INSIDE || t > 1.0 + max(0.0, -slope * dz) || (t > 1.0 && slope > 0.0) || t < 0.0 {
         // A step that leaves through the top before its middle still counts its part.
         if found == INSIDE && t > 1.0 && slope > 0.0 {
             let z_exit = z_mid - (t - 1.0) / slope;
             if z_exit > (*m).z {
-                (*m).place.t = 1.0;
+                (*place).t = 1.0;
                 (*m).z_end = z_exit;
                 (*m).last = true;
-                set_medium(m);
+                set_medium(m, place);
                 return true;
             }
         }
@@ -97,13 +96,13 @@ fn next_step(m: ptr<function, March>) -> bool {
         (*m).z_end = z_mid + (1.0 - t) / slope;
         (*m).last = true;
     }
-    set_medium(m);
+    set_medium(m, place);
     return true;
 }
 
-fn set_medium(m: ptr<function, March>) {
-    let medium = medium_at(&(*m).place);
-    let source_density = source_radiance(&(*m).place, medium, (*m).view);
+fn set_medium(m: ptr<function, March>, place: ptr<function, Place>) {
+    let medium = medium_at(place);
+    let source_density = source_radiance(place, medium, (*m).view);
     (*m).sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
     (*m).radiance = source_density.rgb;
 }

@@ -43,6 +43,7 @@ struct Binding {
     name: String,
     index: u32,
     ty: wgpu::BindingType,
+    stages: wgpu::ShaderStages,
 }
 
 /// The bindings that one or more entry points of a module use.
@@ -58,25 +59,26 @@ impl Interface {
         stem: &str,
         module: &naga::Module,
         info: &naga::valid::ModuleInfo,
-        entries: &[&str],
-        stages: wgpu::ShaderStages,
+        entries: &[(&str, wgpu::ShaderStages)],
     ) -> Result<Self> {
         let mut bindings = Vec::new();
         for (handle, variable) in module.global_variables.iter() {
             let Some(place) = variable.binding else { continue };
-            let mut used = naga::valid::GlobalUse::empty();
+            let mut stages = wgpu::ShaderStages::NONE;
             for (i, entry) in module.entry_points.iter().enumerate() {
-                if entries.contains(&entry.name.as_str()) {
-                    used |= info.get_entry_point(i)[handle];
+                let stage = entries.iter().find(|(name, _)| *name == entry.name);
+                if let Some((_, stage)) = stage.filter(|_| !info.get_entry_point(i)[handle].is_empty()) {
+                    stages |= *stage;
                 }
             }
-            if used.is_empty() {
+            if stages.is_empty() {
                 continue;
             }
             bindings.push(Binding {
                 name: variable.name.clone().unwrap_or_default(),
                 index: place.binding,
                 ty: binding_type(stem, module, variable)?,
+                stages,
             });
         }
         let storage = bindings
@@ -88,7 +90,7 @@ impl Interface {
         }
         let entries: Vec<wgpu::BindGroupLayoutEntry> = bindings
             .iter()
-            .map(|b| wgpu::BindGroupLayoutEntry { binding: b.index, visibility: stages, ty: b.ty, count: None })
+            .map(|b| wgpu::BindGroupLayoutEntry { binding: b.index, visibility: b.stages, ty: b.ty, count: None })
             .collect();
         let layout = gpu
             .device
@@ -179,7 +181,7 @@ impl Kernel {
             return Err(Error::gpu(stem, format!("no entry point `{entry}`; there are {known:?}")));
         }
         let interface =
-            Interface::reflect(gpu, stem, &module, &info, &[entry], wgpu::ShaderStages::COMPUTE)?;
+            Interface::reflect(gpu, stem, &module, &info, &[(entry, wgpu::ShaderStages::COMPUTE)])?;
         let label = format!("{stem}.{entry}");
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(&label),
@@ -240,8 +242,7 @@ impl RasterKernel {
             stem,
             &module,
             &info,
-            &[vertex, "fragment"],
-            wgpu::ShaderStages::VERTEX_FRAGMENT,
+            &[(vertex, wgpu::ShaderStages::VERTEX), ("fragment", wgpu::ShaderStages::FRAGMENT)],
         )?;
         let label = format!("{stem}.{vertex}");
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {

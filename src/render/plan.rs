@@ -1,7 +1,7 @@
 //! Samples of a pixel: a regular grid within the pixel, several times over with displaced grids or lens points where that is not enough.
 
 use crate::layout::Reconstruction;
-use crate::scene::{Filter, LensMethod, Scene};
+use crate::scene::{LensMethod, Scene};
 use glam::Vec2;
 
 /// How the film is sampled.
@@ -56,7 +56,7 @@ impl SamplePlan {
         let mut weights: Vec<f32> = (0..taps)
             .map(|i| {
                 let x = (i as f32 - self.reach as f32 + 0.5 + jitter) / self.grid as f32 - 0.5;
-                crate::film::filter::weight_1d(scene.film.filter, radius, x)
+                crate::film::filter::weight_1d(scene.film.filter, f64::from(radius), f64::from(x)) as f32
             })
             .collect();
         let sum: f32 = weights.iter().sum();
@@ -75,12 +75,7 @@ impl SamplePlan {
 }
 
 fn radius(scene: &Scene) -> f32 {
-    scene.film.filter_radius.unwrap_or(match scene.film.filter {
-        Filter::Box => 0.5,
-        Filter::Triangle => 1.0,
-        Filter::Gaussian => 1.5,
-        Filter::Mitchell => 2.0,
-    })
+    scene.film.filter_radius.unwrap_or_else(|| crate::film::filter::usual_radius(scene.film.filter))
 }
 
 fn reach(radius: f32, grid: u32) -> u32 {

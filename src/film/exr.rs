@@ -1,0 +1,225 @@
+//! OpenEXR: all planes, linear, half float for colours and 32-bit float for the rest.
+
+use super::{
+    Film, Metadata, Plane,
+    io::{Failure, check_size},
+};
+use ::exr::{
+    image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},
+    meta::{
+        MetaData,
+        attribute::{AttributeValue, LineOrder, Text},
+        header::{Header, LayerAttributes},
+    },
+    prelude::{Blocks, Compression, ReadChannels, ReadLayers, Vec2, WritableImage, read},
+};
+use half::f16;
+use rayon::prelude::*;
+use std::{
+    fs::File,
+    io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write},
+};
+
+/// What a key is called in a file.
+const PREFIX: &str = "pelage.";
+
+/// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film and `meta` alone.
+///
+/// Finite values beyond the range of half are clamped to it (65504); write them with `full_precision` to keep them.
+pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<(), Failure> {
+    let channels = film.planes.par_iter().map(|plane| {
+        let samples = if plane.full_precision {
+            FlatSamples::F32(plane.data.clone())
+        } else {
+            FlatSamples::F16(plane.data.iter().map(|v| half_of(*v)).collect())
+        };
+        AnyChannel::new(text(&plane.name), samples)
+    });
+    let channels: Vec<_> = channels.collect();
+    let mut attributes = LayerAttributes {
+        software_name: Some(text(concat!("pelage ", env!("CARGO_PKG_VERSION")))),
+        ..LayerAttributes::default()
+    };
+    for (key, value) in &meta.entries {
+        attributes.other.insert(text(&format!("{PREFIX}{key}")), AttributeValue::Text(text(value)));
+    }
+    let encoding = Encoding {
+        compression: Compression::ZIP16,
+        blocks: Blocks::ScanLines,
+        // Without an order the blocks stand in the file as the threads finish them.
+        line_order: LineOrder::Increasing,
+    };
+    let layer = Layer::new(
+        (film.width as usize, film.height as usize),
+        attributes,
+        encoding,
+        AnyChannels::sort(channels.into_iter().collect()),
+    );
+    let mut out = BufWriter::new(&mut *file);
+    Image::from_layer(layer).write().to_buffered(&mut out)?;
+    out.flush()?;
+    drop(out);
+    sort_attributes(file)
+}
+
+fn text(s: &str) -> Text {
+    // The format does not name an encoding; UTF-8 is what its library and viewers use.
+    Text::from_slice_unchecked(s.as_bytes())
+}
+
+fn half_of(value: f32) -> f16 {
+    let limit = f16::MAX.to_f32();
+    f16::from_f32(if value.is_finite() { value.clamp(-limit, limit) } else { value })
+}
+
+/// Puts the attributes of a single-part file in the order of their names: the exr crate keeps them in a hash map,
+/// whose order differs from run to run.
+fn sort_attributes(file: &mut File) -> Result<(), Failure> {
+    // Magic number and version flags; then name, type, length and value of each attribute; then a zero byte.
+    file.seek(SeekFrom::Start(8))?;
+    let mut input = BufReader::new(&mut *file);
+    let mut attributes: Vec<Vec<u8>> = Vec::new();
+    loop {
+        let mut attribute = zero_terminated(&mut input)?;
+        if attribute.len() == 1 {
+            break;
+        }
+        attribute.extend(zero_terminated(&mut input)?);
+        let mut length = [0; 4];
+        input.read_exact(&mut length)?;
+        attribute.extend(length);
+        let mut value = vec![0; usize::try_from(i32::from_le_bytes(length))?];
+        input.read_exact(&mut value)?;
+        attribute.extend(value);
+        attributes.push(attribute);
+    }
+    drop(input);
+    attributes.sort();
+    file.seek(SeekFrom::Start(8))?;
+    Ok(file.write_all(&attributes.concat())?)
+}
+
+fn zero_terminated(input: &mut impl Read) -> Result<Vec<u8>, Failure> {
+    let mut bytes = Vec::new();
+    loop {
+        let mut byte = [0];
+        input.read_exact(&mut byte)?;
+        bytes.push(byte[0]);
+        if byte[0] == 0 {
+            return Ok(bytes);
+        }
+    }
+}
+
+/// Decodes all channels of all parts. `bytes` is the length of the file.
+pub(super) fn decode(input: &mut BufReader<File>, bytes: u64) -> Result<Film, Failure> {
+    let headers = MetaData::read_from_buffered(&mut *input, false)?.headers;
+    check_headers(&headers, bytes)?;
+    input.rewind()?;
+    let image = read()
+        .no_deep_data()
+        .largest_resolution_level()
+        .all_channels()
+        .all_layers()
+        .all_attributes()
+        .from_buffered(&mut *input)?;
+    let size = headers[0].layer_size;
+    let mut film =
+        Film { width: u32::try_from(size.x())?, height: u32::try_from(size.y())?, planes: Vec::new() };
+    let parts = image.layer_data.len();
+    for layer in image.layer_data {
+        let part = layer.attributes.layer_name.as_ref().map(Text::to_string).unwrap_or_default();
+        for channel in layer.channel_data.list {
+            let mut name = channel.name.to_string();
+            if parts > 1 && !part.is_empty() && !name.starts_with(&format!("{part}.")) {
+                name = format!("{part}.{name}");
+            }
+            let (full_precision, data) = match channel.sample_data {
+                FlatSamples::F16(values) => (false, values.par_iter().map(|v| v.to_f32()).collect()),
+                FlatSamples::F32(values) => (true, values),
+                FlatSamples::U32(values) => (true, values.par_iter().map(|v| *v as f32).collect()),
+            };
+            film.planes.push(Plane { name, full_precision, data });
+        }
+    }
+    complete(&mut film)?;
+    film.validate()?;
+    Ok(film)
+}
+
+/// Checks everything that the header says before the pixels are allocated.
+fn check_headers(headers: &[Header], bytes: u64) -> Result<(), Failure> {
+    let first = headers.first().ok_or("the file has no header")?;
+    let channels: usize = headers.iter().map(|h| h.channels.list.len()).sum();
+    let mut table = 0u64;
+    for header in headers {
+        let (Vec2(width, height), Vec2(x, y)) = (header.layer_size, header.own_attributes.layer_position);
+        check_size(width as u64, height as u64, channels as u64)?;
+        let display = header.shared_attributes.display_window;
+        if display.size != header.layer_size || display.position != header.own_attributes.layer_position {
+            return Err(format!(
+                "the data window ({width} x {height} at {x}, {y}) differs from the display window ({} x {} at {}, {}); \
+                 save the image uncropped",
+                display.size.x(),
+                display.size.y(),
+                display.position.x(),
+                display.position.y()
+            )
+            .into());
+        }
+        if header.layer_size != first.layer_size {
+            return Err("its parts differ in size; save them as separate files".into());
+        }
+        if header.deep {
+            return Err("deep data is not supported; flatten the image".into());
+        }
+        if let Some(c) = header.channels.list.iter().find(|c| c.sampling != Vec2(1, 1)) {
+            return Err(format!("channel {} is subsampled, which is not supported", c.name).into());
+        }
+        table = table.saturating_add((header.chunk_count as u64).saturating_mul(8));
+    }
+    // A forged size shows itself: the table of block offsets alone would not fit the file.
+    if table > bytes {
+        return Err(format!(
+            "the header promises blocks whose table takes {table} bytes, but the file has only {bytes}: it is truncated or damaged"
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// Makes sure of `R G B A`, in front of the other planes.
+fn complete(film: &mut Film) -> Result<(), Failure> {
+    if ["R", "G", "B"].iter().any(|name| film.plane(name).is_none()) {
+        let grey = film.planes.iter().position(|p| p.name == "Y").ok_or_else(|| {
+            let found = film.planes.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
+            format!("it has no channels R, G, B (nor Y); found: {found}")
+        })?;
+        let grey = film.planes.remove(grey);
+        film.planes.retain(|p| !["R", "G", "B"].contains(&p.name.as_str()));
+        for name in ["R", "G", "B"] {
+            film.push(name, grey.full_precision, grey.data.clone());
+        }
+    }
+    if film.plane("A").is_none() {
+        film.push("A", false, vec![1.0; film.pixels()]);
+    }
+    // Stable: the rest keeps the order of the file.
+    film.planes.sort_by_key(|p| ["R", "G", "B", "A"].iter().position(|n| *n == p.name).unwrap_or(4));
+    Ok(())
+}
+
+/// The `pelage.*` attributes, by name.
+pub(super) fn decode_metadata(input: &mut BufReader<File>) -> Result<Metadata, Failure> {
+    let mut meta = Metadata::default();
+    for header in MetaData::read_from_buffered(input, false)?.headers {
+        for (name, value) in &header.own_attributes.other {
+            let name = String::from_utf8_lossy(name.as_slice()).into_owned();
+            if let (Some(key), AttributeValue::Text(value)) = (name.strip_prefix(PREFIX), value) {
+                meta = meta.with(key, String::from_utf8_lossy(value.as_slice()));
+            }
+        }
+    }
+    meta.entries.sort();
+    Ok(meta)
+}

@@ -1,0 +1,82 @@
+//! What a picture says about its making.
+
+use crate::stats::Stats;
+use sha2::{Digest, Sha256};
+
+/// Entries that are written into EXR attributes and PNG text chunks, each under `pelage.KEY`.
+///
+/// Keys are short ASCII words; values are UTF-8 text of any length. Times differ between runs: leave
+/// [`Metadata::with_stats`] out where the same bytes are wanted twice.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Metadata {
+    /// Key and value, in order.
+    pub entries: Vec<(String, String)>,
+}
+
+impl Metadata {
+    /// `version` of the program and the `commit` it was built from (the environment variable PELAGE_COMMIT at build
+    /// time, or `unknown`).
+    pub fn of_program() -> Self {
+        Self::default()
+            .with("version", env!("CARGO_PKG_VERSION"))
+            .with("commit", option_env!("PELAGE_COMMIT").unwrap_or("unknown"))
+    }
+
+    /// Sets an entry; an earlier one of the same key is replaced.
+    pub fn with(mut self, key: &str, value: impl Into<String>) -> Self {
+        self.entries.retain(|(k, _)| k != key);
+        self.entries.push((key.to_owned(), value.into()));
+        self
+    }
+
+    /// `scene`: the scene as text, and `scene_sha256`: its hash in hexadecimal.
+    pub fn with_scene(self, text: &str) -> Self {
+        let hash =
+            Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        self.with("scene", text).with("scene_sha256", hash)
+    }
+
+    /// `seed` of everything random.
+    pub fn with_seed(self, seed: u32) -> Self {
+        self.with("seed", seed.to_string())
+    }
+
+    /// `adapter` and `driver` of the GPU.
+    pub fn with_adapter(self, adapter: &str, driver: &str) -> Self {
+        self.with("adapter", adapter).with("driver", driver)
+    }
+
+    /// `command_line`: the arguments, those with blanks in double quotes.
+    pub fn with_command_line<S: AsRef<str>>(self, arguments: impl IntoIterator<Item = S>) -> Self {
+        let quoted = |argument: S| {
+            let argument = argument.as_ref();
+            if argument.is_empty() || argument.contains(char::is_whitespace) {
+                format!("{argument:?}")
+            } else {
+                argument.to_owned()
+            }
+        };
+        self.with("command_line", arguments.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+    }
+
+    /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` a pass, `n/a` where the
+    /// adapter has no timestamps.
+    pub fn with_stats(self, stats: &Stats) -> Self {
+        let passes = stats
+            .passes
+            .iter()
+            .map(|p| match p.ms {
+                Some(ms) => format!("{} {ms:.3}", p.pass),
+                None => format!("{} n/a", p.pass),
+            })
+            .collect::<Vec<_>>();
+        self.with_adapter(&stats.adapter, &stats.driver)
+            .with("total_ms", format!("{:.3}", stats.total_ms))
+            .with("pass_ms", passes.join("\n"))
+    }
+
+    /// The value of `key`.
+    pub fn get(&self, key: &str) -> Option<&str> {
+        self.entries.iter().find(|(k, _)| k == key).map(|(_, v)| v.as_str())
+    }
+}
