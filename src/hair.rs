@@ -95,7 +95,9 @@ impl HairFile {
         let float = |at: usize| f32::from_bits(word(at));
         let (strands, points, flags, default_segments) = (word(4), word(8), word(12), word(16));
         if flags & POINTS == 0 {
-            return Err(format!("found flags {flags:#x} without a point array, which every HAIR file must have"));
+            return Err(format!(
+                "found flags {flags:#x} without a point array, which every HAIR file must have"
+            ));
         }
         // The size is checked before anything is allocated, so that forged counts cost nothing.
         let (n, p) = (u64::from(strands), u64::from(points));
@@ -155,7 +157,9 @@ impl HairFile {
         let expected: u64 = self.segments.iter().map(|s| u64::from(*s) + 1).sum();
         let points = self.points.len();
         if expected != points as u64 {
-            return Err(format!("found {points} points, expected {expected} for the segments of all strands"));
+            return Err(format!(
+                "found {points} points, expected {expected} for the segments of all strands"
+            ));
         }
         if u32::try_from(points).is_err() {
             return Err(format!("found {points} points, expected at most {}", u32::MAX));
@@ -166,7 +170,9 @@ impl HairFile {
             ("colours", self.colors.len()),
         ] {
             if len != 0 && len != points {
-                return Err(format!("found {len} values of {name}, expected none or one for each of {points} points"));
+                return Err(format!(
+                    "found {len} values of {name}, expected none or one for each of {points} points"
+                ));
             }
         }
         if let Some(i) = self.points.iter().position(|p| !p.is_finite()) {
@@ -213,7 +219,8 @@ impl HairFile {
             }
         }
         let vectors = |v: &Vec<Vec3>| v.iter().flat_map(|v| v.to_array()).collect::<Vec<f32>>();
-        let arrays = [vectors(&self.points), self.thickness.clone(), self.transparency.clone(), vectors(&self.colors)];
+        let arrays =
+            [vectors(&self.points), self.thickness.clone(), self.transparency.clone(), vectors(&self.colors)];
         for f in arrays.iter().flatten() {
             out.write_all(&f.to_le_bytes())?;
         }

@@ -84,13 +84,8 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
         &undercoat.density,
         &undercoat.height,
     ];
-    let colors = [
-        &guard.color_root,
-        &guard.color_tip,
-        &undercoat.color_root,
-        &undercoat.color_tip,
-        &scene.base.color,
-    ];
+    let colors =
+        [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &scene.base.color];
     let mut maps = Vec::new();
     for s in scalars {
         if let Scalar::Mapped(m) = s {

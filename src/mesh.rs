@@ -7,10 +7,10 @@ pub mod topology;
 mod write;
 
 pub use repair::smoothed_normals;
-pub use write::write_obj;
 pub(crate) use write::write_atomically;
+pub use write::write_obj;
 
-use crate::{Error, Result, Skin, SceneFault, scene::MeshSpec};
+use crate::{Error, Result, SceneFault, Skin, scene::MeshSpec};
 use glam::{EulerRot, Quat, Vec2, Vec3};
 use std::path::PathBuf;
 
@@ -55,7 +55,9 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
                     line: 0,
                     column: 0,
                     message: format!("mesh.strict is set, and the mesh has {}", repairs.join("; ")),
-                    help: Some("repair the mesh, or leave mesh.strict out to render it as far as it goes".into()),
+                    help: Some(
+                        "repair the mesh, or leave mesh.strict out to render it as far as it goes".into(),
+                    ),
                 }]));
             }
             (path.display().to_string(), skin)
@@ -74,7 +76,10 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
         }
     };
     if skin.triangles.is_empty() {
-        return Err(Error::fault(name, format!("no triangle is left to carry fur: {}", skin.notes.join("; "))));
+        return Err(Error::fault(
+            name,
+            format!("no triangle is left to carry fur: {}", skin.notes.join("; ")),
+        ));
     }
     place(&mut skin, spec).map_err(|message| Error::fault(name, message))?;
     Ok(skin)
@@ -114,7 +119,10 @@ fn place(skin: &mut Skin, spec: &MeshSpec) -> Result<(), String> {
         ));
     }
     if (0..skin.triangles.len()).all(|t| skin.triangle_area(t) == 0.0) {
-        return Err(format!("the mesh is too small: its largest side is {:e} cm: set mesh.size", side * scale));
+        return Err(format!(
+            "the mesh is too small: its largest side is {:e} cm: set mesh.size",
+            side * scale
+        ));
     }
     Ok(())
 }

@@ -116,7 +116,12 @@ fn odd_text_reads_as_the_plain_one() {
         let mesh = obj(text).unwrap_or_else(|e| panic!("{shown}: {e}"));
         assert_eq!(mesh.positions, plain.positions, "{shown}");
         assert_eq!(mesh.triangles, plain.triangles, "{shown}");
-        assert!(mesh.notes.is_empty() && mesh.repairs.is_empty(), "{shown}: {:?} {:?}", mesh.notes, mesh.repairs);
+        assert!(
+            mesh.notes.is_empty() && mesh.repairs.is_empty(),
+            "{shown}: {:?} {:?}",
+            mesh.notes,
+            mesh.repairs
+        );
     }
 }
 

@@ -31,7 +31,9 @@ pub(super) fn read(path: &Path, color: bool) -> Result<Texels> {
         exr(&bytes, color)
     } else {
         let start: Vec<u8> = bytes.iter().copied().take(4).collect();
-        Err(format!("found a file that begins with {start:02x?}, expected a PNG, Radiance HDR or OpenEXR image"))
+        Err(format!(
+            "found a file that begins with {start:02x?}, expected a PNG, Radiance HDR or OpenEXR image"
+        ))
     };
     decoded.map_err(|message| Error::fault(path, message))
 }
@@ -107,7 +109,10 @@ fn exr(bytes: &[u8], color: bool) -> Result<Texels, String> {
         (None, None, None, Some(y)) => (y.clone(), y.clone(), y),
         _ => {
             let names: Vec<String> = channels.iter().map(|c| c.name.to_string()).collect();
-            return Err(format!("found the EXR channels {}, expected R G B or Y in full size", names.join(" ")));
+            return Err(format!(
+                "found the EXR channels {}, expected R G B or Y in full size",
+                names.join(" ")
+            ));
         }
     };
     let a = channel("A");

@@ -8,6 +8,7 @@ use super::Mesh;
 use crate::{Error, Result, SceneFault};
 use glam::{Vec2, Vec3};
 use statements::{Statements, words};
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -49,7 +50,11 @@ pub fn read(path: &Path) -> Result<Mesh> {
 /// Reads OBJ text; `file` is the name in messages. Errors as [`read`].
 pub fn parse(text: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
     if text.starts_with(b"\xFF\xFE") || text.starts_with(b"\xFE\xFF") {
-        return Err(Error::fault_at(file, 1, "found UTF-16 text, expected OBJ in UTF-8 or ASCII: convert it"));
+        return Err(Error::fault_at(
+            file,
+            1,
+            "found UTF-16 text, expected OBJ in UTF-8 or ASCII: convert it",
+        ));
     }
     let count = Count::of(text);
     if count.positions > limits.vertices || count.triangles > limits.triangles {
@@ -217,7 +222,12 @@ impl<'a> Scan<'a> {
                 }
                 (position, [1.0; 3])
             }
-            _ => return Err(format!("found `v` with {} numbers, expected x y z, x y z w or x y z r g b", v.len())),
+            _ => {
+                return Err(format!(
+                    "found `v` with {} numbers, expected x y z, x y z w or x y z r g b",
+                    v.len()
+                ));
+            }
         };
         if let Some(c) = color.iter().find(|c| **c < 0.0) {
             return Err(format!("found a vertex colour of {c}, expected 0 or more"));
@@ -260,7 +270,10 @@ impl<'a> Scan<'a> {
             let mut parts = word.split(|b| *b == b'/');
             let (v, vt, vn) = (parts.next().unwrap_or_default(), parts.next(), parts.next());
             if parts.next().is_some() {
-                return Err(format!("found the corner `{}`, expected v, v/vt, v//vn or v/vt/vn", shown(word)));
+                return Err(format!(
+                    "found the corner `{}`, expected v, v/vt, v//vn or v/vt/vn",
+                    shown(word)
+                ));
             }
             let v = index(v, self.positions, self.count.positions, "vertices")?;
             let (vt, vn) = (vt.unwrap_or_default(), vn.unwrap_or_default());
@@ -343,12 +356,27 @@ fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
     };
     let (mut start, mut cuts) = (0, Vec::new());
     let (mut polygons, mut concave, mut guessed) = (0_u64, 0_u64, 0_u64);
+    let mut seen: HashSet<[u32; 3]> = HashSet::new();
     for arity in arities {
         let end = start + arity as usize;
         let corners = &source.indices[start..end];
         let points: Vec<Vec3> = corners.iter().map(|i| mesh.positions[*i as usize]).collect();
         let cut = polygon::triangulate(&points, &mut cuts);
-        polygons += u64::from(arity > 3);
+        if arity > 3 {
+            polygons += 1;
+            let mut is_new = |t: &[usize; 3]| {
+                let mut key = t.map(|k| corners[k]);
+                key.sort_unstable();
+                seen.insert(key)
+            };
+            // Two quads may share two of their sides; both cut between the same corners, they would share a triangle.
+            if !cuts.iter().all(&mut is_new) && arity == 4 && cut == polygon::Cut::Fan {
+                cuts = vec![[1, 2, 3], [1, 3, 0]];
+                cuts.iter().for_each(|t| {
+                    is_new(t);
+                });
+            }
+        }
         concave += u64::from(cut == polygon::Cut::Ears);
         guessed += u64::from(cut == polygon::Cut::Guess);
         mesh.triangles.extend(cuts.iter().map(|t| t.map(|k| corners[k])));

@@ -29,7 +29,10 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         mesh.corner_uv = None;
     }
     if mesh.colors.len() != mesh.positions.len() {
-        report(usize::from(!mesh.colors.is_empty()), "set of vertex colours dropped: its size is not that of the mesh");
+        report(
+            usize::from(!mesh.colors.is_empty()),
+            "set of vertex colours dropped: its size is not that of the mesh",
+        );
         mesh.colors = vec![Vec3::ONE; mesh.positions.len()];
     }
 
@@ -130,13 +133,11 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
     let mut number = vec![u32::MAX; before];
     mesh.triangles.iter().flatten().for_each(|i| number[*i as usize] = 0);
     let mut next = 0;
-    for i in 0..before {
-        if number[i] == 0 {
-            mesh.positions[next] = mesh.positions[i];
-            mesh.colors[next] = mesh.colors[i];
-            number[i] = next as u32;
-            next += 1;
-        }
+    for (i, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
+        mesh.positions[next] = mesh.positions[i];
+        mesh.colors[next] = mesh.colors[i];
+        *number = next as u32;
+        next += 1;
     }
     mesh.positions.truncate(next);
     mesh.colors.truncate(next);

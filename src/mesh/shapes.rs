@@ -198,7 +198,8 @@ fn die() -> Mesh {
 fn pyramid() -> Mesh {
     const N: u32 = 16;
     const HEIGHT: f32 = 8.0;
-    let base = [(-5.0, 5.0), (5.0, 5.0), (5.0, -5.0), (-5.0, -5.0)].map(|(x, z)| Vec3::new(x, -HEIGHT / 2.0, z));
+    let base =
+        [(-5.0, 5.0), (5.0, 5.0), (5.0, -5.0), (-5.0, -5.0)].map(|(x, z)| Vec3::new(x, -HEIGHT / 2.0, z));
     let apex = Vec3::new(0.0, HEIGHT / 2.0, 0.0);
     let across = |i: u32| (base[1] - base[0]) * (i as f32 / N as f32);
     let down = |j: u32| (base[3] - base[0]) * (j as f32 / N as f32);

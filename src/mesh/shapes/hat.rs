@@ -99,7 +99,7 @@ fn band(inner: u32, outer: u32, odd: u32) -> Vec<[(bool, u32); 3]> {
         let outside = match next_outer.cmp(&next_inner) {
             _ if i == steps => true,
             _ if o == outer => false,
-            std::cmp::Ordering::Equal => (i + o + odd + (o + odd) / 2) % 2 == 0,
+            std::cmp::Ordering::Equal => (i + o + odd + (o + odd) / 2).is_multiple_of(2),
             order => order.is_lt(),
         };
         if outside {
@@ -121,7 +121,9 @@ fn fine_profile() -> Vec<(Vec2, f32)> {
         let last = PROFILE.len() as isize - 1;
         match k {
             -1 => Vec2::from(PROFILE[1]) * Vec2::new(-1.0, 1.0),
-            k if k > last => 2.0 * Vec2::from(PROFILE[last as usize]) - Vec2::from(PROFILE[last as usize - 1]),
+            k if k > last => {
+                2.0 * Vec2::from(PROFILE[last as usize]) - Vec2::from(PROFILE[last as usize - 1])
+            }
             k => Vec2::from(PROFILE[k as usize]),
         }
     };
