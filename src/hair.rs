@@ -2,7 +2,8 @@
 //!
 //! Little endian: a header of 128 bytes ("HAIR", counts, which arrays follow, defaults for those that do not, 88 bytes
 //! of text), then the arrays: segments (u16 a strand), points (3 f32 each), thickness, transparency (f32 a point),
-//! colours (3 f32 a point). [YukselHair]
+//! colours (3 f32 a point).
+// [YukselHair]
 
 use crate::{Error, Result, mesh::write_atomically};
 use glam::Vec3;

@@ -68,7 +68,8 @@ fn png_or_hdr(bytes: &[u8], format: ImageFormat, color: bool) -> Result<Texels, 
     Ok((width, height, texels))
 }
 
-/// Linear light of an sRGB value, both 0..1. [IEC61966-2-1]
+/// Linear light of an sRGB value, both 0..1 (IEC 61966-2-1).
+// [IEC61966-2-1]
 fn linear_from_srgb(v: f32) -> f32 {
     if v <= 0.04045 { v / 12.92 } else { ((v + 0.055) / 1.055).powf(2.4) }
 }

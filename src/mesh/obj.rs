@@ -8,6 +8,7 @@ use super::Mesh;
 use crate::{Error, Result, SceneFault};
 use glam::{Vec2, Vec3};
 use statements::{Statements, words};
+use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
@@ -355,12 +356,27 @@ fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
     };
     let (mut start, mut cuts) = (0, Vec::new());
     let (mut polygons, mut concave, mut guessed) = (0_u64, 0_u64, 0_u64);
+    let mut seen: HashSet<[u32; 3]> = HashSet::new();
     for arity in arities {
         let end = start + arity as usize;
         let corners = &source.indices[start..end];
         let points: Vec<Vec3> = corners.iter().map(|i| mesh.positions[*i as usize]).collect();
         let cut = polygon::triangulate(&points, &mut cuts);
-        polygons += u64::from(arity > 3);
+        if arity > 3 {
+            polygons += 1;
+            let mut is_new = |t: &[usize; 3]| {
+                let mut key = t.map(|k| corners[k]);
+                key.sort_unstable();
+                seen.insert(key)
+            };
+            // Two quads may share two of their sides; both cut between the same corners, they would share a triangle.
+            if !cuts.iter().all(&mut is_new) && arity == 4 && cut == polygon::Cut::Fan {
+                cuts = vec![[1, 2, 3], [1, 3, 0]];
+                cuts.iter().for_each(|t| {
+                    is_new(t);
+                });
+            }
+        }
         concave += u64::from(cut == polygon::Cut::Ears);
         guessed += u64::from(cut == polygon::Cut::Guess);
         mesh.triangles.extend(cuts.iter().map(|t| t.map(|k| corners[k])));

@@ -133,13 +133,11 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
     let mut number = vec![u32::MAX; before];
     mesh.triangles.iter().flatten().for_each(|i| number[*i as usize] = 0);
     let mut next = 0;
-    for i in 0..before {
-        if number[i] == 0 {
-            mesh.positions[next] = mesh.positions[i];
-            mesh.colors[next] = mesh.colors[i];
-            number[i] = next as u32;
-            next += 1;
-        }
+    for (i, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
+        mesh.positions[next] = mesh.positions[i];
+        mesh.colors[next] = mesh.colors[i];
+        *number = next as u32;
+        next += 1;
     }
     mesh.positions.truncate(next);
     mesh.colors.truncate(next);
@@ -239,7 +237,7 @@ fn components(mesh: &Mesh) -> usize {
 }
 
 /// Unit normals, one a vertex: the sum of the triangle normals, each weighted by the triangle's angle at the vertex
-/// [ThurmerWuthrich1998]. Where they cancel, the normal of the largest triangle at the vertex; +y without any.
+/// (Thürmer and Wüthrich 1998). Where they cancel, the normal of the largest triangle at the vertex; +y without any.
 pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     let mut largest = vec![DVec3::ZERO; positions.len()];
@@ -247,6 +245,7 @@ pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3>
         let p = t.map(|i| positions[i as usize].as_dvec3());
         let cross = (p[1] - p[0]).cross(p[2] - p[0]);
         let Some(normal) = cross.try_normalize() else { continue };
+        // [ThurmerWuthrich1998]
         for k in 0..3 {
             let i = t[k] as usize;
             let angle = (p[(k + 1) % 3] - p[k]).angle_between(p[(k + 2) % 3] - p[k]);

@@ -120,7 +120,8 @@ fn even_out(positions: &mut [Vec3], triangles: &[[u32; 3]]) {
 }
 
 /// The surface field = 0 as quads, counter-clockwise from outside: one vertex in each lattice cell that the surface
-/// passes, one quad around each lattice edge that it crosses (surface nets [Gibson1998]).
+/// passes, one quad around each lattice edge that it crosses (surface nets, Gibson 1998).
+// [Gibson1998]
 fn surface_net() -> (Vec<Vec3>, Vec<[u32; 4]>) {
     // The lattice is symmetric to the plane z = 0.
     let (low, size) = (Vec3::new(-13.2, -0.6, -3.2), IVec3::new(68, 30, 20));

@@ -99,7 +99,7 @@ fn band(inner: u32, outer: u32, odd: u32) -> Vec<[(bool, u32); 3]> {
         let outside = match next_outer.cmp(&next_inner) {
             _ if i == steps => true,
             _ if o == outer => false,
-            std::cmp::Ordering::Equal => (i + o + odd + (o + odd) / 2) % 2 == 0,
+            std::cmp::Ordering::Equal => (i + o + odd + (o + odd) / 2).is_multiple_of(2),
             order => order.is_lt(),
         };
         if outside {
