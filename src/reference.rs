@@ -1,0 +1,17 @@
+//! CPU twins: what each pass computes, once more in plain Rust.
+//!
+//! A twin has the stem of its shader: `reference/hair_roots.rs` says what `shaders/hair_roots.wgsl` does, and
+//! `tests/hair_roots.rs` holds the two against each other, buffer by buffer, so that the first wrong pass names itself.
+//! The other modules (`hash`, `octahedral`, `noise`, `shell`, `lattice`, `undercoat`, `groom`, `strands`, `view`) are twins of
+//! `shaders/shared/`. A twin reads the same packed structs of [`crate::layout`] as its shader. It is written for
+//! reading, not for speed: single precision where the shader's own arithmetic is meant, double precision where it stands as an oracle.
+
+pub mod groom;
+pub mod hash;
+pub mod lattice;
+pub mod noise;
+pub mod octahedral;
+pub mod shell;
+pub mod strands;
+pub mod undercoat;
+pub mod view;
