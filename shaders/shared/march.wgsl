@@ -76,11 +76,12 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) -> bool {
     let t = (*place).t;
     let slope = (*place).dt_dz;
     if found != INSIDE || t > 1.0 + max(0.0, -slope * dz) || (t > 1.0 && slope > 0.0) || t < 0.0 {
-        // A step that leaves through the top before its middle still counts its part.
-        if found == INSIDE && t > 1.0 && slope > 0.0 {
-            let z_exit = z_mid - (t - 1.0) / slope;
+        // A step that leaves through the top, or into the skin, before its middle still counts its part.
+        let beyond = select(t, t - 1.0, t > 1.0);
+        if found == INSIDE && beyond * slope > 0.0 {
+            let z_exit = z_mid - beyond / slope;
             if z_exit > (*m).z {
-                (*place).t = 1.0;
+                (*place).t = clamp(t, 0.0, 1.0);
                 (*m).z_end = z_exit;
                 (*m).last = true;
                 set_medium(m, place);
