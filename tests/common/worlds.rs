@@ -3,17 +3,9 @@
 #![allow(dead_code)] // Every test file uses a part of this.
 
 use pelage::film::Film;
-use pelage::gpu::Gpu;
-use pelage::render::{Frame, RenderOptions, render_on};
+use pelage::render::{Frame, RenderOptions};
 use pelage::scene::{DirectionalLight, Filter, Fur, Scene, Shape};
 use pelage::{World, assets::Assets};
-use std::sync::OnceLock;
-
-/// The adapter that the environment asks for, opened once for all tests of a file.
-pub fn gpu() -> &'static Gpu {
-    static GPU: OnceLock<Gpu> = OnceLock::new();
-    GPU.get_or_init(|| Gpu::open().expect("an adapter"))
-}
 
 /// A ball of 1 cm radius in short fur under two lights, 96 x 64 pixels of 4 samples, after `edit`.
 pub fn ball(edit: impl FnOnce(&mut Scene)) -> World {
@@ -60,10 +52,10 @@ pub fn world(edit: impl FnOnce(&mut Scene)) -> World {
     World::load(scene, &Assets::default()).expect("a world")
 }
 
-/// All planes of `world`.
+/// All planes of `world`, on a device of its own: memory budgets count per device.
 pub fn render(world: &World) -> Frame {
     let options = RenderOptions { aovs: true, ..Default::default() };
-    let frame = render_on(gpu(), world, &options).expect("a frame");
+    let frame = pelage::render::render(world, &options).expect("a frame");
     assert_eq!(frame.stats.fragments_dropped, 0);
     frame
 }
