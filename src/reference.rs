@@ -4,14 +4,27 @@
 //! `tests/hair_roots.rs` holds the two against each other, buffer by buffer, so that the first wrong pass names itself.
 //! The other modules (`hash`, `octahedral`, `noise`, `shell`, `lattice`, `undercoat`, `groom`, `strands`, `view`) are twins of
 //! `shaders/shared/`. A twin reads the same packed structs of [`crate::layout`] as its shader. It is written for
-//! reading, not for speed: single precision where the shader's own arithmetic is meant, double precision where it stands as an oracle.
+//! reading, not for speed: single precision where the shader's own arithmetic is meant, double precision where it
+//! stands as an oracle.
 
+pub mod base_raster;
+pub mod edge_table;
 pub mod groom;
+pub mod guard_bins;
+pub mod guard_raster;
+pub mod guard_splat;
+pub mod guard_strands;
+pub mod hair_roots;
 pub mod hash;
 pub mod lattice;
+pub mod light_occlusion;
 pub mod noise;
 pub mod octahedral;
 pub mod shell;
+pub mod shell_entry;
+pub mod shell_lattice;
+pub mod shell_prisms;
 pub mod strands;
 pub mod undercoat;
+pub mod undercoat_density;
 pub mod view;
