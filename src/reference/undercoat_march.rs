@@ -92,8 +92,21 @@ pub fn steps(scenery: &Scenery<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -
     }
 }
 
-/// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
-pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
+/// What the light lattice says of a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lookup {
+    /// Radiance by all lights that are no key lights, per albedo.
+    pub ambient: Vec3,
+    /// Optical depths to the two key lights.
+    pub tau: [f32; 2],
+    /// Single-scattering albedo.
+    pub albedo: Vec3,
+    /// Density of the undercoat on the skin below, relative to `fur.extinction`.
+    pub density: f32,
+}
+
+/// Interpolates the light lattice; the ambient radiance by its logarithm.
+pub fn look_up(scenery: &Scenery<'_>, place: &Place) -> Lookup {
     let fur = scenery.undercoat.fur;
     let cell = lattice::cell(fur, place.prism, place.vertices, place.lambda, place.t);
     let (mut ambient, mut tau, mut albedo) = (Vec4::ZERO, [0f32; 2], Vec3::ZERO);
@@ -107,13 +120,21 @@ pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Ve
         tau.iter_mut().zip(halves(words[2])).for_each(|(sum, tau)| *sum += w * tau);
         albedo += w * unpack_albedo(words[3]);
     }
-    let mut sum = Vec3::from(ambient.truncate().to_array().map(f32::exp2));
+    let ambient_rgb = Vec3::from(ambient.truncate().to_array().map(f32::exp2));
+    Lookup { ambient: ambient_rgb, tau, albedo, density: ambient.w }
+}
+
+/// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
+pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
+    let fur = scenery.undercoat.fur;
+    let found = look_up(scenery, place);
+    let mut sum = found.ambient;
     for j in 0..fur.keys as usize {
         let l = Vec4::from(fur.key_direction[j]).truncate();
-        let through = (-tau[j] * (1.0 - fur.forward_scattering * albedo)).exp();
+        let through = (-found.tau[j] * (1.0 - fur.forward_scattering * found.albedo)).exp();
         sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * kajiya_kay(fur, m.tangent, l, view);
     }
-    (sum * albedo, ambient.w)
+    (sum * found.albedo, found.density)
 }
 
 /// A fragment of the undercoat.
