@@ -52,6 +52,11 @@ pub struct Strands {
 }
 
 impl Strands {
+    /// A buffer by its name: `roots`, `strand_vertices`, `shades`.
+    pub fn buffer(&self, name: &str) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == name)
+    }
+
     /// `scope` with `batch`, `roots`, `strand_vertices` and `shades` added.
     pub fn scope<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
         scope.with(&self.buffers.iter().collect::<Vec<_>>())
@@ -177,6 +182,11 @@ impl<'g> Prepared<'g> {
         };
         prepared.light(world, nodes, pairs, timings)?;
         Ok(prepared)
+    }
+
+    /// A buffer that later passes read, by its name.
+    pub fn buffer(&self, name: &str) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == name)
     }
 
     /// Everything that later passes read, by name.
