@@ -31,6 +31,9 @@ pub struct Gpu {
     faults: Arc<Mutex<Faults>>,
 }
 
+/// How long a read-back may be outstanding once the device is idle.
+const READ_BACK_PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
+
 /// What the device reported outside any error scope.
 #[derive(Default)]
 struct Faults {
@@ -173,7 +176,16 @@ impl Gpu {
             }
         });
         self.wait(buffer.name)?;
-        match result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take() {
+        // Another thread that polls the device may be the one that runs the callback, and not be done with it.
+        let taken = || result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let started = std::time::Instant::now();
+        let mut mapped = taken();
+        while mapped.is_none() && started.elapsed() < READ_BACK_PATIENCE {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            self.wait(buffer.name)?;
+            mapped = taken();
+        }
+        match mapped {
             Some(Ok(())) => {}
             Some(Err(e)) => return Err(Error::gpu(buffer.name, e)),
             None => {
