@@ -35,16 +35,10 @@ pub fn blocked(shell: &Shell, origin: Vec3, ray: Vec3) -> bool {
     })
 }
 
-/// One bit a light for each column.
-pub fn bits(shell: &Shell, fur: &Fur, lights: &[Light], columns: &[Column]) -> Vec<u64> {
-    columns
-        .iter()
-        .enumerate()
-        .map(|(i, column)| {
-            let origin = origin(shell, fur, i as u32, column.corner);
-            (0..fur.lights as usize)
-                .filter(|j| blocked(shell, origin, lights[*j].direction.into()))
-                .fold(0, |bits, j| bits | (1 << j))
-        })
-        .collect()
+/// One bit a light that the skin keeps from column number `i`.
+pub fn bits(shell: &Shell, fur: &Fur, lights: &[Light], i: u32, column: &Column) -> u64 {
+    let origin = origin(shell, fur, i, column.corner);
+    (0..fur.lights as usize)
+        .filter(|j| blocked(shell, origin, lights[*j].direction.into()))
+        .fold(0, |bits, j| bits | (1 << j))
 }
