@@ -7,8 +7,9 @@ use gpu::{Fixture, jittered_grid, scaled, world_on};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::{Column, Root};
-use pelage::reference::guard_splat::{deposits, extinction, volumes};
+use pelage::reference::guard_splat::{deposits, extinction, volume};
 use pelage::reference::strands::{position, radius};
+use pelage::reference::undercoat::Undercoat;
 
 /// Fixed point of the deposits, 1/cm2.
 const FIXED_POINT: f64 = 4_194_304.0;
@@ -27,7 +28,7 @@ fn redrawn(fixture: &Fixture) -> Vec<u32> {
     let p = &fixture.prepared;
     let nodes = (fixture.fur.columns * (fixture.fur.levels + 1)) as usize;
     let buffer = p.gpu.storage("deposits", 2, nodes as u64 * 4).unwrap();
-    let extinction = p.gpu.storage("guard_extinction", 2, nodes as u64 * 4).unwrap();
+    let extinction = p.gpu.storage("lattice_extinction", 2, nodes as u64 * 4).unwrap();
     let strands = p.resident.as_ref().unwrap();
     let mut recorder = Recorder::new(p.gpu);
     let scope = strands.scope(&p.scope()).with(&[&buffer, &extinction]);
@@ -58,11 +59,19 @@ fn deposits_are_those_of_the_twin() {
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // What the passes kept.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-        let volumes = volumes(&fixture.shell, &fixture.fur, &columns);
-        let kept: Vec<f32> = fixture.read("guard_extinction", found.len());
-        for (i, (a, b)) in kept.iter().zip(extinction(&found, &volumes)).enumerate() {
-            gpu::close(*a, b, 1e-3, format!("{guard}: extinction at node {i}"));
+        let coat = Undercoat { fur: &fixture.fur, noise: fixture.noise(), shell: &fixture.shell, cells: &[] };
+        let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
+        let mut seen = [0.0f32; 2];
+        for (i, word) in kept.iter().enumerate() {
+            let (column, level) = (i as u32 / (fixture.fur.levels + 1), i as u32 % (fixture.fur.levels + 1));
+            let wanted = extinction(&coat, &columns[column as usize], level, found[i]);
+            let halves = [*word as u16, (*word >> 16) as u16].map(|h| half::f16::from_bits(h).to_f32());
+            for k in 0..2 {
+                seen[k] = seen[k].max(wanted[k]);
+                gpu::close(halves[k], wanted[k], 1.5e-3, format!("{guard}: extinction {k} at node {i}"));
+            }
         }
+        assert!(seen[0] > 1.0 && seen[1] > 0.01, "{guard}: {seen:?}");
     }
 }
 
@@ -89,7 +98,9 @@ fn node_volumes_fill_the_shell() {
     world.skin = scaled(jittered_grid(6, 0.0), 1.0, 6.0);
     let fixture = Fixture::new(gpu, world);
     let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-    let volume: f64 = volumes(&fixture.shell, &fixture.fur, &columns).iter().map(|v| f64::from(*v)).sum();
+    let levels = 0..=fixture.fur.levels;
+    let volumes = columns.iter().flat_map(|c| levels.clone().map(|l| volume(&fixture.shell, &fixture.fur, c, l)));
+    let sum: f64 = volumes.map(f64::from).sum();
     let slab = 36.0 * 0.3 * f64::from(fixture.fur.light_reach);
-    assert!((volume - slab).abs() < 1e-3 * slab, "{volume} {slab}");
+    assert!((sum - slab).abs() < 1e-3 * slab, "{sum} {slab}");
 }

@@ -19,10 +19,10 @@ fn both(gpu: &'static pelage::gpu::Gpu, mesh: &str) -> (u32, Vec<(u64, u64)>) {
     let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
     // Some 200 columns: the twin is slow.
     let step = columns.len() / 200 + 1;
-    let thinned: Vec<(usize, &Column)> = columns.iter().enumerate().step_by(step).collect();
+    let thinned: Vec<&Column> = columns.iter().step_by(step).collect();
     let lights = &fixture.packed.lights;
-    let wanted = thinned.iter().map(|(i, c)| bits(&fixture.shell, &fixture.fur, lights, *i as u32, c));
-    let found = thinned.iter().map(|(_, c)| u64::from(c.blocked[0]) | (u64::from(c.blocked[1]) << 32));
+    let wanted = thinned.iter().map(|c| bits(&fixture.shell, &fixture.fur, lights, c));
+    let found = thinned.iter().map(|c| u64::from(c.blocked[0]) | (u64::from(c.blocked[1]) << 32));
     (fixture.fur.lights, found.zip(wanted).collect())
 }
 

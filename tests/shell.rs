@@ -26,7 +26,7 @@ fn shell_of(skin: &Skin, height: impl Fn(usize) -> f32) -> Shell {
     Shell {
         vertices: (0..skin.positions.len()).map(vertex).collect(),
         prisms: prisms
-            .map(|(vertices, neighbours)| Prism { vertices: *vertices, cell_base: 0, neighbours, subdivision: 0 })
+            .map(|(vertices, neighbours)| Prism { vertices: *vertices, neighbours, ..bytemuck::Zeroable::zeroed() })
             .collect(),
         corner_uv: vec![[0.0; 2]; 3 * skin.triangles.len()],
         light_reach: 1.0,
