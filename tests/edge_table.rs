@@ -11,7 +11,7 @@ use pelage::skin::NONE;
 use pelage::Skin;
 use proptest::prelude::*;
 
-const SCENE: &str = "[mesh]\nshape = \"plane\"\n[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
+const SCENE: &str = "[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
 
 /// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding, a triangle twice.
 fn meshes() -> Vec<(&'static str, Skin)> {

@@ -39,7 +39,9 @@ pub fn world(text: &str) -> World {
 
 /// The world of a scene text on a skin of its own, with image maps of its own.
 pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World {
-    let scene = Scene::parse(text, "test.toml", &[]).expect("a valid scene");
+    // A scene needs a mesh, even where the skin is given.
+    let shape: &[String] = if skin.is_some() { &["mesh.shape=plane".into()] } else { &[] };
+    let scene = Scene::parse(text, "test.toml", shape).expect("a valid scene");
     let assets = Assets::default();
     let skin = skin.unwrap_or_else(|| pelage::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
     let lights = pelage::light::lights_of(&scene, &assets).expect("lights");
@@ -358,4 +360,12 @@ pub fn close(actual: f32, wanted: f32, tolerance: f32, what: impl std::fmt::Disp
         (actual - wanted).abs() <= tolerance * (1.0 + wanted.abs()),
         "{what}: {actual} is not {wanted} within {tolerance}"
     );
+}
+
+/// A skin scaled about the origin, with uv from its x and z: one unit of uv is `unit` cm.
+pub fn scaled(mut skin: Skin, factor: f32, unit: f32) -> Skin {
+    skin.positions.iter_mut().for_each(|p| *p *= factor);
+    let uv = |v: u32| skin.positions[v as usize];
+    skin.corner_uv = Some(skin.triangles.iter().map(|t| t.map(|v| Vec2::new(uv(v).x, uv(v).z) / unit)).collect());
+    skin
 }
