@@ -119,7 +119,11 @@ impl std::fmt::Display for Comparison {
         writeln!(f, "luminance ratio   {:.6}", self.luminance_ratio)?;
         writeln!(f, "alpha difference  {:.6}", self.alpha_difference)?;
         writeln!(f, "max difference    {:.6}", self.max_abs)?;
-        write!(f, "not finite        {} image, {} reference", self.non_finite_image, self.non_finite_reference)
+        write!(
+            f,
+            "not finite        {} image, {} reference",
+            self.non_finite_image, self.non_finite_reference
+        )
     }
 }
 
@@ -179,9 +183,8 @@ pub fn error_image(image: &Film, reference: &Film, kind: ErrorImage) -> Result<F
                 .iter()
                 .map(|error| {
                     let entry = 3 * (error.clamp(0.0, 1.0) * 255.0).round() as usize;
-                    let [r, g, b] = [0, 1, 2].map(|c| {
-                        srgb_decode(lut.get(entry + c).copied().map_or(0.0, f32::from) / 255.0)
-                    });
+                    let [r, g, b] = [0, 1, 2]
+                        .map(|c| srgb_decode(lut.get(entry + c).copied().map_or(0.0, f32::from) / 255.0));
                     [r, g, b, 1.0]
                 })
                 .collect()
@@ -225,7 +228,10 @@ fn flip_map(image: &[[f32; 4]], reference: &[[f32; 4]], size: [usize; 2]) -> Res
         return Err(Error::Check(format!("{} x {} pixels are too many for FLIP", size[0], size[1])));
     }
     let bytes = |pixels: &[[f32; 4]]| -> Vec<u8> {
-        pixels.iter().flat_map(|p| [p[0], p[1], p[2]].map(|v| (srgb_encode(v) * 255.0).round() as u8)).collect()
+        pixels
+            .iter()
+            .flat_map(|p| [p[0], p[1], p[2]].map(|v| (srgb_encode(v) * 255.0).round() as u8))
+            .collect()
     };
     let [width, height] = size.map(|n| n as u32);
     let of = |pixels| nv_flip::FlipImageRgb8::with_data(width, height, &bytes(pixels));

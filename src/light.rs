@@ -64,7 +64,8 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
                 format!("is {}: expected 1 to {MAX_ENVIRONMENT_LIGHTS}", environment.lights),
             );
         }
-        if !usable(&environment.tint) || !usable(&[environment.intensity]) || !environment.rotate.is_finite() {
+        if !usable(&environment.tint) || !usable(&[environment.intensity]) || !environment.rotate.is_finite()
+        {
             fault(
                 "environment".into(),
                 "intensity and tint must be finite numbers from 0, rotate a finite angle".into(),

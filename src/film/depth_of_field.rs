@@ -51,19 +51,27 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     };
     let focus = lens.focus.unwrap_or_else(|| (Vec3::from(camera.target) - Vec3::from(camera.eye)).length());
     let sensible = |v: f32| v.is_finite() && v > 0.0;
-    if !sensible(focus) || !(lens.aperture.is_finite() && lens.aperture >= 0.0) {
+    if !sensible(focus) || !lens.aperture.is_finite() || lens.aperture < 0.0 {
         return Err(Error::fault(
             "camera.lens",
-            format!("aperture {} cm, focus {focus} cm: expected an aperture from 0 and a focus above 0", lens.aperture),
+            format!(
+                "aperture {} cm, focus {focus} cm: expected an aperture from 0 and a focus above 0",
+                lens.aperture
+            ),
         ));
     }
     if !sensible(camera.fov) || camera.fov >= 180.0 {
-        return Err(Error::fault("camera.fov", format!("is {}: expected more than 0, less than 180", camera.fov)));
+        return Err(Error::fault(
+            "camera.fov",
+            format!("is {}: expected more than 0, less than 180", camera.fov),
+        ));
     }
     film.validate()?;
     let focal_pixels = film.height as f32 / (2.0 * (camera.fov.to_radians() / 2.0).tan());
     let depth = film.plane("depth.Z").ok_or_else(|| {
-        Error::Check("depth of field as a post-process needs the plane depth.Z, which the film has not".into())
+        Error::Check(
+            "depth of field as a post-process needs the plane depth.Z, which the film has not".into(),
+        )
     })?;
     let blur: Vec<f32> = depth
         .iter()

@@ -76,7 +76,9 @@ pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f
         return Err(Error::Usage(format!("{k} samples along a pixel's side: expected 1 to 64")));
     }
     if !(radius > 0.0 && radius <= 16.0) {
-        return Err(Error::Usage(format!("film.filter_radius = {radius}: expected more than 0, at most 16 pixels")));
+        return Err(Error::Usage(format!(
+            "film.filter_radius = {radius}: expected more than 0, at most 16 pixels"
+        )));
     }
     let (radius, k_real) = (f64::from(radius), f64::from(k));
     // Samples with (j + 0.5) / k - 0.5 < radius, beyond the pixel's own k.

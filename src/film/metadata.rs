@@ -31,7 +31,8 @@ impl Metadata {
 
     /// `scene`: the scene as text, and `scene_sha256`: its hash in hexadecimal.
     pub fn with_scene(self, text: &str) -> Self {
-        let hash = Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
+        let hash =
+            Sha256::digest(text.as_bytes()).iter().map(|byte| format!("{byte:02x}")).collect::<String>();
         self.with("scene", text).with("scene_sha256", hash)
     }
 

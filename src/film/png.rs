@@ -3,7 +3,7 @@
 use super::{
     Film, Metadata,
     io::{Failure, MAX_PIXELS, check_size},
-    tonemap::{display_rgb8, srgb_decode},
+    tonemap::{clamped, display_rgb8, srgb_decode},
 };
 use crate::scene::FilmSpec;
 use ::png::text_metadata::ITXtChunk;
@@ -31,7 +31,7 @@ pub(super) fn encode(
     let channels = if opaque { 3 } else { 4 };
     let mut bytes = vec![0u8; premultiplied.len() * channels];
     bytes.par_chunks_mut(channels).zip(premultiplied).for_each(|(to, &[r, g, b, a])| {
-        let alpha = a.max(0.0).min(1.0);
+        let alpha = clamped(a, 1.0);
         // Colour without coverage (a glow) cannot be written straight: it is dropped with its pixel.
         let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
         to[..3].copy_from_slice(&display_rgb8(straight, spec));

@@ -8,16 +8,20 @@ pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
+/// `value` in 0..=`limit`; NaN becomes 0.
+pub(super) fn clamped(value: f32, limit: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, limit) }
+}
+
 /// sRGB code value, 0..1, of a linear value; values outside 0..1 are clamped, NaN becomes 0. // [IEC61966] sec. 5.2
 pub fn srgb_encode(linear: f32) -> f32 {
-    // `max` first: it turns NaN into 0.
-    let x = linear.max(0.0).min(1.0);
+    let x = clamped(linear, 1.0);
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
 /// Linear value of an sRGB code value, both 0..1. // [IEC61966] sec. 5.2
 pub fn srgb_decode(code: f32) -> f32 {
-    let x = code.max(0.0).min(1.0);
+    let x = clamped(code, 1.0);
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
@@ -28,7 +32,7 @@ pub fn srgb_decode(code: f32) -> f32 {
 /// * `agx`: base look without a grading, with the 2.2 display exponent undone. // [Sobotka2022], [Wrensch2023]
 /// * `aces`: Narkowicz's fit of the ACES RRT and ODT, without his 0.6 pre-exposure. // [Narkowicz2015]
 pub fn tone_map(kind: Tonemap, rgb: Vec3) -> Vec3 {
-    let rgb = Vec3::from(rgb.to_array().map(|v| v.max(0.0).min(f32::MAX)));
+    let rgb = Vec3::from(rgb.to_array().map(|v| clamped(v, f32::MAX)));
     let mapped = match kind {
         Tonemap::None => rgb,
         Tonemap::Neutral => neutral(rgb),

@@ -113,9 +113,9 @@ impl Panorama {
     }
 }
 
-/// Regions narrower and lower than this are not split (radians, one degree): the lights would be one to the fur,
-/// while the sun alone would take most of them.
-const SMALLEST_SPLIT: f64 = PI / 180.0;
+/// Regions narrower and lower than this are not split (radians; three degrees, less than hairs' highlights are
+/// wide): their lights would be one to the fur, while the sun alone would take most of them.
+const SMALLEST_SPLIT: f64 = PI / 60.0;
 
 /// A rectangle of texels, ends exclusive.
 #[derive(Debug, Clone, Copy)]
@@ -200,7 +200,7 @@ impl Region {
 ///
 /// The region with the most energy is split across its longer side where its energy halves, until there are `n`;
 /// each region becomes a light at the energy-weighted centroid of its directions. [Debevec2005] splits all regions
-/// of a level instead, which allows powers of two only. Regions below one degree are not split, dark ones give no
+/// of a level instead, which allows powers of two only. Regions below three degrees are not split, dark ones give no
 /// light: there may be fewer than `n` lights.
 ///
 /// DEVIATION: [Debevec2005] splits down to the texel, so that a sun takes most of the lights.
