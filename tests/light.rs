@@ -266,3 +266,25 @@ fn real_maps_keep_their_energy_and_find_the_sun() {
         }
     }
 }
+
+#[test]
+fn no_two_lights_are_the_same_to_the_fur() {
+    // A sun of one degree in a smooth sky: every cut goes through it, yet it stays one light and the sky gets 15.
+    let mut map = sky(720, 360, 1.0);
+    let sun = map.direction_of([400.0, 100.0]);
+    for i in 0..map.texels.len() {
+        let texel = map.direction_of([(i % 720) as f64 + 0.5, (i / 720) as f64 + 0.5]);
+        if texel.angle_between(sun) < 0.5f64.to_radians() {
+            map.texels[i] = [50_000.0; 3];
+        }
+    }
+    let lights = median_cut(&map, 16);
+    assert_eq!(lights.len(), 16);
+    for i in 0..16 {
+        for j in 0..i {
+            assert!(lights[i].direction.angle_between(lights[j].direction) > 2f32.to_radians(), "{i} {j}");
+        }
+    }
+    assert!(lights[0].direction.as_dvec3().angle_between(sun) < 0.005);
+    assert!(((map.total() - sum(&lights)) / map.total()).abs().max_element() < 1e-6);
+}

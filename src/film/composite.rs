@@ -11,7 +11,8 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// A premultiplied pixel `front` over a premultiplied pixel `back`; both `[r g b a]`. The one function that blends
-/// two pictures. // [PorterDuff1984] over
+/// two pictures.
+// [PorterDuff1984] over
 pub fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
     let through = 1.0 - front[3];
     std::array::from_fn(|c| front[c] + through * back[c])
