@@ -1,12 +1,20 @@
 //! pelage: a hybrid fur renderer.
 
 pub mod assets;
+pub mod camera;
+pub mod cli;
 pub mod compare;
 pub mod error;
 pub mod film;
+pub mod gpu;
+pub mod groom;
+pub mod hair;
+pub mod layout;
 pub mod light;
 pub mod maps;
 pub mod mesh;
+pub mod passes;
+pub mod prepare;
 pub mod render;
 pub mod scene;
 pub mod skin;

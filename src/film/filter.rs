@@ -30,7 +30,8 @@ pub fn weight(filter: Filter, radius: f32, x: f32, y: f32) -> f32 {
         as f32
 }
 
-fn weight_1d(filter: Filter, radius: f64, x: f64) -> f64 {
+/// Weight along one axis at `x` pixels from the centre, not normalised: the factor of [`weight`].
+pub fn weight_1d(filter: Filter, radius: f64, x: f64) -> f64 {
     let x = x.abs();
     if x >= radius {
         return 0.0;

@@ -1,5 +1,9 @@
 //! The scene file as types. Every field has a default, so that an empty table is a valid one.
+//!
+//! The ranges stand here as schemars attributes and nowhere else: the JSON schema that `pelage schema` prints is also
+//! what the loader checks files against.
 
+pub use super::output::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -7,7 +11,11 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// A groom preset (`brown_mink`, ...) that `guard` and `undercoat` start from.
+    /// Scene files, relative to this one, whose tables lie under this file's; a later one lies over an earlier one.
+    /// Empty once a scene is loaded.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub include: Vec<String>,
+    /// A groom preset (`brown_mink`, ...) that `guard`, `undercoat` and `base` start from.
     pub preset: Option<String>,
     /// The skin.
     pub mesh: MeshSpec,
@@ -76,7 +84,7 @@ pub enum Channel {
 #[serde(untagged)]
 pub enum Color {
     /// The same everywhere.
-    Constant([f32; 3]),
+    Constant(#[schemars(inner(range(min = 0.0, max = 1.0)))] [f32; 3]),
     /// `value * texel` (PNG texels are decoded from sRGB).
     Mapped(ColorMap),
 }
@@ -89,6 +97,7 @@ pub struct ColorMap {
     pub map: String,
     /// Factor on the texel.
     #[serde(default = "white")]
+    #[schemars(inner(range(min = 0.0)))]
     pub value: [f32; 3],
 }
 
@@ -128,8 +137,10 @@ pub struct MeshSpec {
     /// A procedural shape.
     pub shape: Option<Shape>,
     /// Largest side of the bounding box after scaling, cm. Not given: the file's numbers are cm.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<f32>,
     /// Further uniform scale.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale: Option<f32>,
     /// Rotation about x, then y, then z, degrees.
     pub rotate: [f32; 3],
@@ -174,8 +185,10 @@ pub struct Camera {
     /// Up direction.
     pub up: [f32; 3],
     /// Vertical field of view, degrees.
+    #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub fov: f32,
     /// Distance of the near plane, cm.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub near: f32,
     /// Depth of field, if any.
     pub lens: Option<Lens>,
@@ -186,8 +199,10 @@ pub struct Camera {
 #[serde(deny_unknown_fields, default)]
 pub struct Lens {
     /// Aperture diameter, cm.
+    #[schemars(range(min = 0.0))]
     pub aperture: f32,
     /// Distance of the plane in focus from the eye along the viewing direction, cm. Not given: the target.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub focus: Option<f32>,
     /// How it is made.
     pub method: LensMethod,
@@ -211,6 +226,7 @@ pub struct DirectionalLight {
     /// Direction from the scene towards the light.
     pub direction: [f32; 3],
     /// Irradiance on a surface that faces the light, linear RGB.
+    #[schemars(inner(range(min = 0.0)))]
     pub irradiance: [f32; 3],
 }
 
@@ -221,10 +237,13 @@ pub struct Environment {
     /// HDR or EXR file, or empty for a uniform sky of colour `tint`.
     pub map: String,
     /// Number of directional lights made of it: 1..=64.
+    #[schemars(range(min = 1, max = 64))]
     pub lights: u32,
     /// Factor on the radiance.
+    #[schemars(range(min = 0.0))]
     pub intensity: f32,
     /// Colour factor on the radiance.
+    #[schemars(inner(range(min = 0.0)))]
     pub tint: [f32; 3],
     /// Rotation about +y, degrees.
     pub rotate: f32,
@@ -247,54 +266,75 @@ pub struct BaseMaterial {
 #[serde(deny_unknown_fields, default)]
 pub struct Guard {
     /// Hairs/cm².
+    #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Length, cm.
+    #[schemars(extend("minimum" = 0))]
     pub length: Scalar,
     /// Relative spread of the length, 0..1 (uniform, downwards).
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub length_variation: f32,
     /// Diameter at root, widest place and tip, µm.
+    #[schemars(inner(range(min = 0.001, max = 10000.0)))]
     pub diameter: [f32; 3],
     /// Where along the hair it is widest, 0..1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub widest: f32,
     /// Factor on the diameter.
+    #[schemars(extend("minimum" = 0))]
     pub thickness: Scalar,
     /// Segments a strand.
+    #[schemars(range(min = 1, max = 64))]
     pub segments: u32,
     /// Bend by gravity (-y), 0 none.
+    #[schemars(range(min = 0.0, max = 10.0))]
     pub gravity: f32,
     /// Comb direction, world space; projected on the skin. Zero: none.
     pub comb_direction: [f32; 3],
     /// Comb strength: tangent of the lean, 0 upright.
+    #[schemars(extend("minimum" = 0))]
     pub comb: Scalar,
     /// Random lean of each hair, degrees (standard deviation of the cone).
+    #[schemars(range(min = 0.0, max = 90.0))]
     pub spread: f32,
     /// Pull of the tips towards clump centres, 0..1.
+    #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub clump: Scalar,
     /// Clump centres/cm².
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub clump_density: f32,
     /// Curl radius, cm.
+    #[schemars(extend("minimum" = 0))]
     pub curl: Scalar,
     /// Curl turns per cm.
+    #[schemars(range(min = 0.0))]
     pub curl_frequency: f32,
     /// Frizz amplitude, cm.
+    #[schemars(extend("minimum" = 0))]
     pub frizz: Scalar,
     /// Frizz bends per cm.
+    #[schemars(range(min = 0.0))]
     pub frizz_frequency: f32,
     /// Colour at the root.
     pub color_root: Color,
     /// Colour at the tip.
     pub color_tip: Color,
     /// Where between root and tip the colour changes, 0..1, and over what part of the length.
+    #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub color_transition: [f32; 2],
     /// Random brightness variation between hairs, 0..1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub color_variation: f32,
     /// Opacity at the root (a0).
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub opacity: f32,
     /// Exponent of the opacity's fall towards the tip (k_t); 0: opaque to the tip.
+    #[schemars(range(min = 0.0))]
     pub tip_fade: f32,
     /// Fibre scattering.
     pub fibre: GuardFibre,
     /// Root darkening of `shading = "paper"`: strength k_s and length l_s as part of the hair length.
+    #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub root_darkening: [f32; 2],
 }
 
@@ -303,16 +343,22 @@ pub struct Guard {
 #[serde(deny_unknown_fields, default)]
 pub struct GuardFibre {
     /// Intensity of R, TT, TRT.
+    #[schemars(inner(range(min = 0.0)))]
     pub intensity: [f32; 3],
     /// Longitudinal shift of R, TT, TRT, degrees.
+    #[schemars(inner(range(min = -90.0, max = 90.0)))]
     pub shift: [f32; 3],
     /// Longitudinal width of R, TT, TRT, degrees.
+    #[schemars(inner(range(min = 0.1, max = 90.0)))]
     pub width: [f32; 3],
     /// Azimuthal width of TT, degrees.
+    #[schemars(range(min = 0.1, max = 180.0))]
     pub azimuth_tt: f32,
     /// Glints: intensity, azimuthal width (degrees).
+    #[schemars(inner(range(min = 0.0)))]
     pub glint: [f32; 2],
     /// Weight of the Kajiya-Kay diffuse term.
+    #[schemars(range(min = 0.0))]
     pub diffuse: f32,
 }
 
@@ -321,51 +367,70 @@ pub struct GuardFibre {
 #[serde(deny_unknown_fields, default)]
 pub struct Undercoat {
     /// Hairs/cm².
+    #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Diameter at root and tip, µm.
+    #[schemars(inner(range(min = 0.001, max = 10000.0)))]
     pub diameter: [f32; 2],
     /// Height of the shell, cm.
+    #[schemars(extend("minimum" = 0))]
     pub height: Scalar,
     /// Layers n_l, 1..=256.
+    #[schemars(range(min = 1, max = 256))]
     pub layers: u32,
     /// Subdivision level d, 0..=7; not given: chosen per triangle from `cell`.
+    #[schemars(range(min = 0, max = 7))]
     pub subdivision: Option<u32>,
     /// Wanted edge of a subelement, cm, where `subdivision` is not given.
+    #[schemars(range(min = 0.0001))]
     pub cell: f32,
     /// Where the noise lives.
     pub noise_domain: NoiseDomain,
     /// Clump noise: bumps per cm.
+    #[schemars(range(min = 0.0))]
     pub noise_frequency: f32,
     /// Clump noise: contrast 0..1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub noise_contrast: f32,
     /// Spread of the hair height, 0..1: how far the shell's top is uneven.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub height_variation: f32,
     /// Bumps per cm of the height.
+    #[schemars(range(min = 0.0))]
     pub height_frequency: f32,
     /// Displacement of the lookup that grows towards the top, cm.
+    #[schemars(range(min = 0.0))]
     pub uv_jitter: f32,
     /// Random turn of the tangents that grows towards the top, 0..1.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub tangent_jitter: f32,
     /// Exponent of both growths.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub jitter_exponent: f32,
     /// Lean along the guard hairs' comb direction: tangent of the angle.
+    #[schemars(range(min = 0.0))]
     pub lean: f32,
     /// Colour at the skin (single-scattering albedo).
     pub color_root: Color,
     /// Colour at the tips.
     pub color_tip: Color,
     /// Weight of the Kajiya-Kay diffuse term.
+    #[schemars(range(min = 0.0))]
     pub diffuse: f32,
     /// Weight of the Kajiya-Kay specular term.
+    #[schemars(range(min = 0.0))]
     pub specular: f32,
     /// Exponent of the specular term.
+    #[schemars(extend("exclusiveMinimum" = 0))]
     pub specular_exponent: f32,
     /// Part of the scattered light that goes on forward and is not counted as attenuation of a light, 0..1.
     /// 0: single scattering as in Andersen et al. 2016.
+    #[schemars(range(min = 0.0, max = 1.0))]
     pub forward_scattering: f32,
     /// Stored or evaluated densities.
     pub storage: Storage,
     /// Step of the march in mean free paths of the densest undercoat.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 10))]
     pub step: f32,
 }
 
@@ -391,136 +456,4 @@ pub enum Storage {
     Stored,
     /// Evaluated at each step of the march.
     Evaluated,
-}
-
-/// Image size, sampling, output.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct FilmSpec {
-    /// Pixels.
-    pub width: u32,
-    /// Pixels.
-    pub height: u32,
-    /// Samples a pixel.
-    pub spp: u32,
-    /// Reconstruction filter.
-    pub filter: Filter,
-    /// Filter radius, pixels; not given: the filter's usual one.
-    pub filter_radius: Option<f32>,
-    /// What is seen behind the fur.
-    pub background: Background,
-    /// Background colour, linear RGB.
-    pub background_color: [f32; 3],
-    /// Background plate (PNG, HDR or EXR), scaled to cover the film.
-    pub plate: String,
-    /// Exposure, stops.
-    pub exposure: f32,
-    /// Tone mapping of PNG output.
-    pub tonemap: Tonemap,
-}
-
-/// Reconstruction filters.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Filter {
-    /// Box, radius 0.5.
-    Box,
-    /// Triangle, radius 1.
-    Triangle,
-    /// Gaussian, radius 1.5, sigma 0.5.
-    #[default]
-    Gaussian,
-    /// Mitchell-Netravali, radius 2.
-    Mitchell,
-}
-
-/// What is seen behind the fur.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Background {
-    /// Nothing: alpha stays.
-    Transparent,
-    /// A colour.
-    #[default]
-    Color,
-    /// The plate.
-    Plate,
-    /// The environment map.
-    Environment,
-}
-
-/// Tone mapping of PNG output.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Tonemap {
-    /// Exposure and sRGB only.
-    None,
-    /// Khronos PBR neutral.
-    #[default]
-    Neutral,
-    /// AgX.
-    Agx,
-    /// ACES (Narkowicz's fit).
-    Aces,
-}
-
-/// What is rendered and how.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct RenderSpec {
-    /// Which layers.
-    pub fur: Fur,
-    /// How undercoat and guard hairs are blended.
-    pub blend: Blend,
-    /// Virtual fragments a ray, for `blend = "virtual"`.
-    pub virtual_fragments: u32,
-    /// Attenuation parameter a of Andersen et al. 2016, eq. (4), 1/cm, for `blend = "simplified"`.
-    pub simplified_attenuation: f32,
-    /// Light model.
-    pub shading: Shading,
-    /// Seed of everything random.
-    pub seed: u32,
-    /// Edge of a tile in samples; not given: chosen from the memory budget.
-    pub tile: Option<u32>,
-    /// GPU memory budget, bytes.
-    pub memory: u64,
-}
-
-/// Which layers are rendered.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Fur {
-    /// The skin alone.
-    Base,
-    /// Skin and guard hairs.
-    Explicit,
-    /// Skin and undercoat.
-    Implicit,
-    /// All.
-    #[default]
-    Hybrid,
-}
-
-/// How undercoat and guard hairs are blended.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Blend {
-    /// Andersen et al. 2016, eq. (4).
-    Simplified,
-    /// Virtual fragments.
-    Virtual,
-    /// Marching between the sorted fragments.
-    #[default]
-    Exact,
-}
-
-/// Light model.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
-#[serde(rename_all = "snake_case")]
-pub enum Shading {
-    /// Undercoat and guard hairs shadow themselves and each other.
-    #[default]
-    Physical,
-    /// As in the paper: exponential root darkening, no environment light on the undercoat.
-    Paper,
 }

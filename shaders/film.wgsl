@@ -1,0 +1,79 @@
+// Film samples to pixels: a separable reconstruction filter over the sample grid, summed in a fixed order.
+
+struct Reconstruction {
+    origin: vec2i,          // first pixel of the tile, relative to the tile's first sample
+    pixels: vec2u,          // of the tile
+    grid: u32,              // samples along a pixel's edge
+    reach: i32,             // samples on either side of a pixel's first sample
+    taps: u32,
+    planes: u32,            // 4, or all
+    accumulate: u32,        // 1: add to what is there
+    scale: f32,
+    padding: vec2u,
+    weights: array<vec4f, 32>, // taps, four a vector
+}
+
+@group(0) @binding(1) var<uniform> reconstruction: Reconstruction;
+@group(0) @binding(2) var<storage, read> samples: array<vec4u>;
+@group(0) @binding(3) var<storage, read_write> pixels: array<f32>; // plane by plane
+
+#import shared/frame
+#import shared/index
+#import shared/octahedral
+#import shared/base
+
+fn weight(k: u32) -> f32 {
+    return reconstruction.weights[k / 4u][k % 4u];
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    let count = reconstruction.pixels.x * reconstruction.pixels.y;
+    if i >= count {
+        return;
+    }
+    let pixel = vec2i(vec2u(i % reconstruction.pixels.x, i / reconstruction.pixels.x));
+    let corner = reconstruction.origin + pixel * i32(reconstruction.grid) - reconstruction.reach;
+    var guard = vec3f(0.0);
+    var undercoat = vec3f(0.0);
+    var base = vec3f(0.0);
+    var through = 0.0;
+    var fragments = 0.0;
+    var z_sum = 0.0;
+    var z_weight = 0.0;
+    var normal = vec3f(0.0);
+    for (var y = 0u; y < reconstruction.taps; y++) {
+        for (var x = 0u; x < reconstruction.taps; x++) {
+            let w = weight(x) * weight(y);
+            let xy = clamp(corner + vec2i(vec2u(x, y)), vec2i(0), vec2i(frame.tile_size) - 1);
+            let at = 2u * u32(xy.y * i32(frame.tile_size.x) + xy.x);
+            let a = samples[at];
+            let b = samples[at + 1u];
+            let mixed = unpack2x16float(a.y);
+            let last = unpack2x16float(b.x);
+            guard += w * vec3f(unpack2x16float(a.x), mixed.x);
+            undercoat += w * vec3f(mixed.y, unpack2x16float(a.z));
+            base += w * vec3f(unpack2x16float(a.w), last.x);
+            through += w * last.y;
+            fragments += w * f32(b.w);
+            let z = bitcast<f32>(b.y);
+            if z < NO_BASE {
+                let opacity = w * (1.0 - last.y);
+                z_sum += opacity * z;
+                z_weight += opacity;
+            }
+            if b.z != 0u {
+                normal += w * octahedral_decode(unpack2x16snorm(b.z));
+            }
+        }
+    }
+    let all = guard + undercoat + base;
+    var values = array<f32, 20>(all.r, all.g, all.b, 1.0 - through, guard.r, guard.g, guard.b, undercoat.r, undercoat.g, undercoat.b,
+        base.r, base.g, base.b, normal.x, normal.y, normal.z, through, fragments, z_sum, z_weight);
+    for (var p = 0u; p < reconstruction.planes; p++) {
+        let at = p * count + i;
+        let before = select(0.0, pixels[at], reconstruction.accumulate == 1u);
+        pixels[at] = before + reconstruction.scale * values[p];
+    }
+}

@@ -1,0 +1,88 @@
+// Step 6: which strands touch which tile, so that a small tile costs no pass over all strands. `count` sizes the bins, `fill`
+// writes them; the order within a bin does not matter.
+
+struct Batch {
+    strands: u32,
+}
+
+struct Tiles {
+    origin: vec2i,   // of the grid, samples
+    size: vec2u,     // of a tile, samples
+    grid: vec2u,     // tiles
+    margin: f32,     // samples that a tile reaches over its edge
+    padding: u32,
+}
+
+@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(2) var<uniform> tiles: Tiles;
+@group(0) @binding(3) var<uniform> groom: Groom;
+@group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
+@group(0) @binding(5) var<storage, read_write> bin_counts: array<atomic<u32>>;
+@group(0) @binding(6) var<storage, read> bin_starts: array<u32>;
+@group(0) @binding(7) var<storage, read_write> bins: array<u32>;
+
+#import shared/frame
+#import shared/index
+#import shared/groom_types
+#import shared/strands
+
+// First and last tile that a strand touches; last < first where it touches none.
+fn touched(strand: u32) -> vec4i {
+    let first = strand * (groom.segments + 1u);
+    var low = vec2f(1e30);
+    var high = vec2f(-1e30);
+    var crosses_near = false;
+    var in_front = false;
+    for (var k = 0u; k <= groom.segments; k++) {
+        let v = strand_vertices[first + k];
+        let p = film_from_world(v.xyz);
+        if p.z <= frame.near {
+            crosses_near = true;
+            continue;
+        }
+        in_front = true;
+        let pad = strand_radius(v) * samples_per_slope() / p.z + 2.0;
+        low = min(low, p.xy - pad);
+        high = max(high, p.xy + pad);
+    }
+    if !in_front {
+        return vec4i(0, 0, -1, -1);
+    }
+    if crosses_near {
+        return vec4i(vec2i(0), vec2i(tiles.grid) - 1);
+    }
+    let origin = vec2f(tiles.origin);
+    let size = vec2f(tiles.size);
+    let a = vec2i(clamp(floor((low - tiles.margin - origin) / size), vec2f(0.0), vec2f(tiles.grid)));
+    let b = vec2i(clamp(floor((high + tiles.margin - origin) / size), vec2f(-1.0), vec2f(tiles.grid) - 1.0));
+    return vec4i(a, b);
+}
+
+@compute @workgroup_size(64)
+fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.strands {
+        return;
+    }
+    let t = touched(i);
+    for (var y = t.y; y <= t.w; y++) {
+        for (var x = t.x; x <= t.z; x++) {
+            atomicAdd(&bin_counts[u32(y) * tiles.grid.x + u32(x)], 1u);
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn fill(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.strands {
+        return;
+    }
+    let t = touched(i);
+    for (var y = t.y; y <= t.w; y++) {
+        for (var x = t.x; x <= t.z; x++) {
+            let bin = u32(y) * tiles.grid.x + u32(x);
+            bins[bin_starts[bin] + atomicAdd(&bin_counts[bin], 1u)] = i;
+        }
+    }
+}

@@ -1,0 +1,99 @@
+// Step 6: coverage of the guard hairs' ribbons, one invocation a segment. DEVIATION: [Andersen2016] draws quads; walking the
+// samples along a segment in compute gives the coverage of the camera-facing ribbon analytically (a box filter one
+// sample wide across the hair), at any width, with no alias.
+
+struct Bin {
+    start: u32,
+    strands: u32,
+    padding: vec2u,
+}
+
+@group(0) @binding(1) var<uniform> bin: Bin;
+@group(0) @binding(2) var<uniform> groom: Groom;
+@group(0) @binding(3) var<storage, read> bins: array<u32>;
+@group(0) @binding(8) var<storage, read> roots: array<Root>;
+@group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
+@group(0) @binding(5) var<storage, read> shades: array<vec2u>;
+@group(0) @binding(6) var<storage, read> base_records: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> fragment_lists: array<atomic<u32>>;
+
+#import shared/frame
+#import shared/index
+#import shared/random
+#import shared/groom_types
+#import shared/root_types
+#import shared/strands
+#import shared/oit
+#import shared/oit_write
+#import shared/coverage
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= bin.strands * groom.segments {
+        return;
+    }
+    let strand = bins[bin.start + i / groom.segments];
+    let k = i % groom.segments;
+    let at = strand * (groom.segments + 1u) + k;
+    let shade_a = shades[at];
+    let shade_b = shades[at + 1u];
+    let last_a = unpack2x16float(shade_a.y);
+    let last_b = unpack2x16float(shade_b.y);
+    if last_a.y > 0.5 && last_b.y > 0.5 {
+        return; // hidden from the eye
+    }
+    var color_a = vec3f(unpack2x16float(shade_a.x), last_a.x);
+    var color_b = vec3f(unpack2x16float(shade_b.x), last_b.x);
+    // A hidden end was not shaded.
+    color_a = select(color_a, color_b, last_a.y > 0.5);
+    color_b = select(color_b, color_a, last_b.y > 0.5);
+    let va = strand_vertices[at];
+    let vb = strand_vertices[at + 1u];
+    var a = film_from_world(va.xyz);
+    var b = film_from_world(vb.xyz);
+    if a.z <= frame.near || b.z <= frame.near {
+        return; // through the near plane: the eye is in the fur
+    }
+    let radius_a = strand_radius(va) * samples_per_slope() / a.z;
+    let radius_b = strand_radius(vb) * samples_per_slope() / b.z;
+    let opacity_a = strand_opacity(va);
+    let opacity_b = strand_opacity(vb);
+    let source = (KIND_STRAND << KIND_SHIFT) | (hash2(roots[strand].seed, k) & ID_MASK);
+    // Along the axis of larger extent every sample column is visited once; neighbouring segments share none.
+    let d = b.xy - a.xy;
+    let steep = abs(d.y) > abs(d.x);
+    let a_major = select(a.x, a.y, steep);
+    let b_major = select(b.x, b.y, steep);
+    let a_minor = select(a.y, a.x, steep);
+    let d_minor = select(d.y, d.x, steep);
+    let tile_low = select(frame.tile_origin, frame.tile_origin.yx, steep);
+    let tile_high = tile_low + vec2i(select(frame.tile_size, frame.tile_size.yx, steep));
+    let span = b_major - a_major;
+    let cosine = abs(span) * inverseSqrt(max(dot(d, d), 1e-20));
+    let first = max(tile_low.x, i32(ceil(min(a_major, b_major) - 0.5)));
+    let end = min(tile_high.x, i32(ceil(max(a_major, b_major) - 0.5)));
+    for (var column = first; column < end; column++) {
+        let u = (f32(column) + 0.5 - a_major) / span;
+        // Along the hair in space: the projection divides by depth.
+        let w = u * a.z / mix(b.z, a.z, u);
+        let z = mix(a.z, b.z, w);
+        let radius = mix(radius_a, radius_b, u);
+        let middle = a_minor + u * d_minor;
+        let reach = (radius + 0.5) / cosine;
+        let low = max(tile_low.y, i32(ceil(middle - reach - 0.5)));
+        let high = min(tile_high.y - 1, i32(floor(middle + reach - 0.5)));
+        for (var row = low; row <= high; row++) {
+            let across = abs(f32(row) + 0.5 - middle) * cosine;
+            let alpha = ribbon_coverage(across, radius) * mix(opacity_a, opacity_b, w);
+            if alpha < 1e-4 {
+                continue;
+            }
+            let xy = vec2u(select(vec2i(column, row), vec2i(row, column), steep) - frame.tile_origin);
+            let index = xy.y * frame.tile_size.x + xy.x;
+            if z < bitcast<f32>(base_records[index].x) {
+                add_fragment(index, z, source, vec4f(mix(color_a, color_b, w) * alpha, alpha));
+            }
+        }
+    }
+}

@@ -1,0 +1,105 @@
+// Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is followed through the shell, so that
+// the light lattice tells what lies between it and each light, and whether the eye can see it at all.
+
+struct Batch {
+    strands: u32,
+}
+
+@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(2) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> groom: Groom;
+@group(0) @binding(4) var<uniform> lights: Lights;
+@group(0) @binding(5) var<uniform> fibre: Fibre;
+@group(0) @binding(6) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(7) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(8) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(9) var<storage, read> corner_uv: array<vec2f>;
+@group(0) @binding(10) var<storage, read> roots: array<Root>;
+@group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
+@group(0) @binding(12) var<storage, read> tau: array<u32>;
+@group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
+
+#import shared/frame
+#import shared/index
+#import shared/random
+#import shared/undercoat_types
+#import shared/shell
+#import shared/lattice
+#import shared/lights
+#import shared/groom
+#import shared/roots
+#import shared/strands
+#import shared/fibre
+
+// Optical depth towards a light (or the eye) in a lattice cell.
+fn cell_tau(cell: LatticeCell, light: u32) -> f32 {
+    let pairs = tau_pairs();
+    var sum = 0.0;
+    for (var k = 0u; k < 3u; k++) {
+        let node = node_index(cell.columns[k], cell.level) * pairs + light / 2u;
+        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], cell.fraction);
+    }
+    return sum;
+}
+
+// Least optical depth to the eye of the cell's corners.
+fn eye_tau(cell: LatticeCell) -> f32 {
+    let pairs = tau_pairs();
+    var least = TAU_BLOCKED;
+    for (var k = 0u; k < 3u; k++) {
+        let node = node_index(cell.columns[k], cell.level) * pairs + fur.lights / 2u;
+        least = min(least, min(unpack2x16float(tau[node])[fur.lights & 1u], unpack2x16float(tau[node + pairs])[fur.lights & 1u]));
+    }
+    return least;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.strands {
+        return;
+    }
+    let root = roots[i];
+    let at = skin_point(root.prism, vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda));
+    let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6u) - 1.0);
+    let color_root = color(GUARD_COLOR_ROOT, at) * tone;
+    let color_tip = color(GUARD_COLOR_TIP, at) * tone;
+    let glint_angle = radians(30.0 + 15.0 * random(root.seed, 7u));
+    let first = i * (groom.segments + 1u);
+    var place: Place;
+    enter_prism(&place, root.prism);
+    place.t = 0.0;
+    var inside = true;
+    for (var k = 0u; k <= groom.segments; k++) {
+        let x = strand_vertices[first + k].xyz;
+        let tangent = strand_tangent(first, k, groom.segments);
+        let view = normalize(frame.eye - x);
+        let s = f32(k) / f32(groom.segments);
+        let half_width = 0.5 * groom.color_transition.y;
+        let blend = smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
+        let tint = clamp(mix(color_root, color_tip, blend), vec3f(0.0), vec3f(1.0));
+        // A strand that hangs over the border of the skin keeps its last place.
+        if inside {
+            inside = locate(&place, x, tangent, 3u) == INSIDE;
+        }
+        let cell = lattice_cell(place.prism, place.vertices, place.lambda, place.t);
+        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > 14.0 {
+            shades[first + k] = vec2u(0u, pack2x16float(vec2f(0.0, 1.0)));
+            continue;
+        }
+        var radiance = vec3f(0.0);
+        for (var j = 0u; j < fur.lights; j++) {
+            var through = vec3f(1.0);
+            if groom.paper == 0u {
+                through = exp(-cell_tau(cell, j) * (1.0 - fur.forward_scattering * tint));
+            }
+            radiance += lights.lights[j].irradiance * through
+                * scatter_fibre(fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
+        }
+        if groom.paper == 1u {
+            // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.
+            radiance *= 1.0 - groom.root_darkening.x * exp(-s / groom.root_darkening.y);
+        }
+        shades[first + k] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
+    }
+}

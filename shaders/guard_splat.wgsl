@@ -1,0 +1,82 @@
+// Step 2: what the guard hairs take from the light, deposited in the nodes of the light lattice. `deposit` adds length x
+// diameter in fixed point, so that the order of additions does not matter; `normalise` divides by the nodes' volumes.
+
+struct Batch {
+    strands: u32,
+}
+
+@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(2) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> groom: Groom;
+@group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(5) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(6) var<storage, read> roots: array<Root>;
+@group(0) @binding(7) var<storage, read> strand_vertices: array<vec4f>;
+@group(0) @binding(8) var<storage, read_write> deposits: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read> columns: array<Column>;
+@group(0) @binding(10) var<storage, read_write> guard_extinction: array<f32>; // 1/cm
+
+#import shared/index
+#import shared/undercoat_types
+#import shared/shell
+#import shared/lattice
+#import shared/column
+#import shared/groom_types
+#import shared/root_types
+#import shared/strands
+
+const FIXED_POINT: f32 = 4194304.0; // per cm2
+const PARTS: u32 = 2u;              // deposits a segment
+
+@compute @workgroup_size(64)
+fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.strands {
+        return;
+    }
+    let first = i * (groom.segments + 1u);
+    var place: Place;
+    enter_prism(&place, roots[i].prism);
+    place.t = 0.0;
+    for (var k = 0u; k < groom.segments; k++) {
+        let a = strand_vertices[first + k];
+        let b = strand_vertices[first + k + 1u];
+        let d = b.xyz - a.xyz;
+        let amount = length(d) * (strand_radius(a) + strand_radius(b)) / f32(PARTS);
+        for (var part = 0u; part < PARTS; part++) {
+            let x = a.xyz + d * ((f32(part) + 0.5) / f32(PARTS));
+            if locate(&place, x, d, 3u) != INSIDE {
+                return;
+            }
+            let cell = lattice_cell(place.prism, place.vertices, place.lambda, place.t);
+            for (var c = 0u; c < 3u; c++) {
+                let node = node_index(cell.columns[c], cell.level);
+                let share = amount * cell.weights[c] * FIXED_POINT;
+                atomicAdd(&deposits[node], u32(share * (1.0 - cell.fraction) + 0.5));
+                atomicAdd(&deposits[node + 1u], u32(share * cell.fraction + 0.5));
+            }
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= fur.columns * (fur.levels + 1u) {
+        return;
+    }
+    let column = i / (fur.levels + 1u);
+    let level = i % (fur.levels + 1u);
+    let spot = column_spot(column, columns[column].corner);
+    var place: Place;
+    enter_prism(&place, spot.prism);
+    let extrusion = place.v0 + spot.lambda.y * place.w1 + spot.lambda.z * place.w2;
+    let t = f32(level) / f32(fur.levels) * fur.light_reach;
+    let flat = cross(place.e1, place.e2);
+    let raised = cross(place.e1 + t * place.w1, place.e2 + t * place.w2);
+    let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
+    // The end nodes stand for half a cell.
+    let cells = select(1.0, 0.5, level == 0u || level == fur.levels);
+    let volume = columns[column].area * spread * length(extrusion) * fur.light_reach / f32(fur.levels) * cells;
+    guard_extinction[i] = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
+}

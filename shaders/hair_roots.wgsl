@@ -1,0 +1,80 @@
+// Step 1: hair roots, after Van Gelder and Wilhelms 1997 with a density map, [Andersen2016] sec. 3. Each triangle draws its own
+// number and places from its id, so that the result does not depend on the order of threads.
+
+struct Batch {
+    first: u32,      // triangle
+    count: u32,      // triangles
+    density: f32,    // largest density, 1/cm2
+    seed: u32,
+}
+
+@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(2) var<uniform> groom: Groom;
+@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(5) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
+@group(0) @binding(7) var<storage, read_write> root_counts: array<u32>;
+@group(0) @binding(8) var<storage, read> first_roots: array<u32>;
+@group(0) @binding(9) var<storage, read_write> roots: array<Root>;
+
+#import shared/index
+#import shared/random
+#import shared/shell_types
+#import shared/groom
+#import shared/roots
+
+// Candidates of a triangle: floor(x) and one more with the probability of the rest, so that the mean is x.
+fn candidates(prism: u32) -> u32 {
+    let v = prisms[prism].vertices;
+    let p0 = shell_vertices[v.x].position;
+    let area = 0.5 * length(cross(shell_vertices[v.y].position - p0, shell_vertices[v.z].position - p0));
+    return u32(area * batch.density + random(hash2(batch.seed, prism), 0u));
+}
+
+// The k-th candidate: an additive recurrence with a random start spreads the roots over the triangle.
+fn candidate(prism: u32, k: u32) -> vec3f {
+    let seed = hash2(batch.seed, prism);
+    let u = fract(vec2f(random(seed, 1u), random(seed, 2u)) + f32(k) * vec2f(0.7548777, 0.5698403));
+    let r = sqrt(u.x);
+    return vec3f(1.0 - r, r * (1.0 - u.y), r * u.y);
+}
+
+// Thinning by the density map.
+fn grows(prism: u32, k: u32, lambda: vec3f) -> bool {
+    let wanted = scalar(GUARD_DENSITY, skin_point(prism, lambda));
+    return random(hash2(batch.seed, prism), 3u + k) * batch.density < wanted;
+}
+
+@compute @workgroup_size(64)
+fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.count {
+        return;
+    }
+    let prism = batch.first + i;
+    let n = candidates(prism);
+    var grown = 0u;
+    for (var k = 0u; k < n; k++) {
+        grown += u32(grows(prism, k, candidate(prism, k)));
+    }
+    root_counts[i] = grown;
+}
+
+@compute @workgroup_size(64)
+fn emit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.count {
+        return;
+    }
+    let prism = batch.first + i;
+    let n = candidates(prism);
+    var at = first_roots[i];
+    for (var k = 0u; k < n; k++) {
+        let lambda = candidate(prism, k);
+        if grows(prism, k, lambda) {
+            roots[at] = Root(prism, hash2(hash2(batch.seed, prism), 0x10000u + k), lambda.yz);
+            at++;
+        }
+    }
+}

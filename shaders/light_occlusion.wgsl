@@ -1,0 +1,101 @@
+// Step 2: which lights the skin itself blocks, once for each column of the lattice: a ray from the lattice's top through a BVH
+// over the skin's triangles (built by obvhs).
+
+struct BvhNode {
+    low: vec3f,
+    first: u32,   // first child, or first primitive
+    high: vec3f,
+    count: u32,   // primitives; 0 for an inner node
+}
+
+@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> lights: Lights;
+@group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(4) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(5) var<storage, read> bvh_nodes: array<BvhNode>;
+@group(0) @binding(6) var<storage, read> bvh_triangles: array<u32>; // triangle numbers in leaf order
+@group(0) @binding(7) var<storage, read_write> columns: array<Column>;
+
+#import shared/index
+#import shared/undercoat_types
+#import shared/shell
+#import shared/lattice
+#import shared/column
+#import shared/lights
+
+fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
+    let a = (bvh_nodes[node].low - origin) * inverse;
+    let b = (bvh_nodes[node].high - origin) * inverse;
+    let near = min(a, b);
+    let far = max(a, b);
+    return min(far.x, min(far.y, far.z)) >= max(0.0, max(near.x, max(near.y, near.z)));
+}
+
+fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
+    let v = prisms[triangle].vertices;
+    let p0 = shell_vertices[v.x].position;
+    let e1 = shell_vertices[v.y].position - p0;
+    let e2 = shell_vertices[v.z].position - p0;
+    let h = cross(ray, e2);
+    let det = dot(e1, h);
+    if abs(det) < 1e-12 {
+        return false;
+    }
+    let s = (origin - p0) / det;
+    let u = dot(s, h);
+    let q = cross(s, e1);
+    let v2 = dot(ray, q);
+    return u >= 0.0 && v2 >= 0.0 && u + v2 <= 1.0 && dot(e2, q) > 0.0;
+}
+
+fn blocked(origin: vec3f, ray: vec3f) -> bool {
+    let inverse = 1.0 / select(ray, vec3f(1e-12), abs(ray) < vec3f(1e-12));
+    var stack: array<u32, 48>;
+    var depth = 1u;
+    stack[0] = 0u;
+    while depth > 0u {
+        depth--;
+        let node = stack[depth];
+        if !hits_box(node, origin, inverse) {
+            continue;
+        }
+        let first = bvh_nodes[node].first;
+        let count = bvh_nodes[node].count;
+        if count == 0u {
+            if depth + 2u <= 48u {
+                stack[depth] = first;
+                stack[depth + 1u] = first + 1u;
+                depth += 2u;
+            }
+            continue;
+        }
+        for (var i = first; i < first + count; i++) {
+            if hits_triangle(bvh_triangles[i], origin, ray) {
+                return true;
+            }
+        }
+    }
+    return false;
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= fur.columns {
+        return;
+    }
+    let spot = column_spot(i, columns[i].corner);
+    var place: Place;
+    enter_prism(&place, spot.prism);
+    let extrusion = place.v0 + spot.lambda.y * place.w1 + spot.lambda.z * place.w2;
+    // A little above the skin even where there is no undercoat.
+    let lift = extrusion * fur.light_reach + normalize(cross(place.e1, place.e2)) * 1e-3;
+    let origin = place.p0 + spot.lambda.y * place.e1 + spot.lambda.z * place.e2 + lift;
+    var bits = vec2u(0u);
+    for (var j = 0u; j < fur.lights; j++) {
+        if blocked(origin, lights.lights[j].direction) {
+            bits[j >> 5u] |= 1u << (j & 31u);
+        }
+    }
+    columns[i].blocked = bits;
+}

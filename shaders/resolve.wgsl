@@ -1,0 +1,227 @@
+// Step 7: fragments to film samples. `exact` sorts the explicit fragments of a sample and marches the undercoat between them, so that
+// both attenuate each other at their true depths with no virtual fragment stored; `stored` sorts and blends what the march
+// left, with [Andersen2016] eq. 4 for shell fragments or as they are for virtual fragments.
+
+@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> noise: Noise;
+@group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(4) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(5) var<storage, read> cells: array<u32>;
+@group(0) @binding(6) var<storage, read> source: array<vec4u>;
+@group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
+@group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
+@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two a sample
+@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>; // lost, longest list
+
+#import shared/frame
+#import shared/index
+#import shared/random
+#import shared/noise
+#import shared/octahedral
+#import shared/undercoat
+#import shared/clumps
+#import shared/shell
+#import shared/uv_in_cells
+#import shared/volume
+#import shared/lattice
+#import shared/record
+#import shared/march
+#import shared/phase
+#import shared/oit
+#import shared/oit_read
+#import shared/base
+
+// What a sample gathers, front to back. Contributions are premultiplied and add up.
+struct Gathered {
+    through: f32,       // transmittance so far
+    guard: vec3f,
+    undercoat: vec3f,
+    base: vec3f,
+    z_sum: f32,         // opacity-weighted depth
+    fragments: u32,
+}
+
+fn list_length(i: u32) -> u32 {
+    var n = 0u;
+    var node = fragment_lists[head_word(i)];
+    while node != 0u {
+        n++;
+        node = fragment_lists[node_word(node)];
+    }
+    return n;
+}
+
+fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
+    let base = base_records[i];
+    let z_base = bitcast<f32>(base.x);
+    var normal = 0u;
+    if z_base < NO_BASE {
+        (*g).base = (*g).through * vec3f(unpack2x16float(base.y), unpack2x16float(base.z).x);
+        (*g).z_sum += (*g).through * z_base;
+        (*g).through = 0.0;
+        normal = base.w;
+    }
+    let opacity = 1.0 - (*g).through;
+    let z = select(NO_BASE, (*g).z_sum / max(opacity, 1e-6), opacity > 1e-4);
+    samples[2u * i] = vec4u(pack2x16float((*g).guard.rg), pack2x16float(vec2f((*g).guard.b, (*g).undercoat.r)),
+        pack2x16float((*g).undercoat.gb), pack2x16float((*g).base.rg));
+    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f((*g).base.b, (*g).through)), bitcast<u32>(z), normal, (*g).fragments);
+    if (*g).fragments > 0u {
+        atomicMax(&lost_rays[1], (*g).fragments);
+    }
+}
+
+fn over_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    (*g).guard += (*g).through * color.rgb;
+    (*g).z_sum += (*g).through * color.a * z;
+    (*g).through *= 1.0 - color.a;
+}
+
+fn over_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    (*g).undercoat += (*g).through * color.rgb;
+    (*g).z_sum += (*g).through * color.a * z;
+    (*g).through *= 1.0 - color.a;
+}
+
+@compute @workgroup_size(64)
+fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= frame.tile_size.x * frame.tile_size.y {
+        return;
+    }
+    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    var g: Gathered;
+    g.through = 1.0;
+    g.fragments = list_length(i);
+    if g.fragments == 0u {
+        finish(i, xy, &g);
+        return;
+    }
+    let z_base = bitcast<f32>(base_records[i].x);
+    var batch: Batch;
+    read_batch(&batch, i, -1.0, 0u);
+    var next = 0u;
+    var march: March;
+    var place: Place;
+    begin_ray(&march, sample_ray(xy));
+    let phase = first_phase(xy);
+    // An entry met while another interval is marched waits; media that overlap are not counted twice.
+    var waiting = NONE;
+    var waiting_z = 0.0;
+    var skip_to = 0.0;
+    loop {
+        if g.through <= fur.opacity_cut {
+            break;
+        }
+        if next == batch.count && batch.more {
+            let last = batch.count - 1u;
+            read_batch(&batch, i, batch.z[last], batch.source[last]);
+            next = 0u;
+        }
+        let has_node = next < batch.count;
+        let z_node = select(z_base, batch.z[min(next, BATCH - 1u)], has_node);
+        if march.marching && march.z >= march.z_end {
+            if !next_step(&march, &place) && waiting != NONE {
+                skip_to = max(skip_to, march.z);
+                enter_shell(&march, &place, waiting, waiting_z, phase);
+                waiting = NONE;
+                continue;
+            }
+        }
+        if march.marching {
+            let z_to = min(march.z_end, z_node);
+            if z_to > march.z {
+                let z_from = max(march.z, skip_to);
+                if z_to > z_from {
+                    let rest = exp(-march.sigma * (z_to - z_from));
+                    over_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), 0.5 * (z_from + z_to));
+                }
+                march.z = z_to;
+            }
+            if z_node > march.z_end {
+                continue;
+            }
+        }
+        if !has_node {
+            if march.marching && march.z < z_base {
+                continue;
+            }
+            break;
+        }
+        let key = batch.source[next];
+        if (key >> KIND_SHIFT) == KIND_ENTRY {
+            if march.marching {
+                waiting = key & ID_MASK;
+                waiting_z = z_node;
+            } else {
+                skip_to = 0.0;
+                enter_shell(&march, &place, key & ID_MASK, z_node, phase);
+            }
+        } else {
+            over_strand(&g, node_color(batch.node[next]), z_node);
+        }
+        next++;
+    }
+    if march.lost > 0u {
+        atomicAdd(&lost_rays[0], march.lost);
+    }
+    finish(i, xy, &g);
+}
+
+// Eq. 4: what the strands directly behind a shell fragment take from its alpha. "Directly behind" is up to the next shell fragment.
+fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
+    let color = node_color((*batch).node[at]);
+    let z_shell = (*batch).z[at];
+    var alpha = color.a;
+    for (var k = at + 1u; k < (*batch).count; k++) {
+        let kind = (*batch).source[k] >> KIND_SHIFT;
+        if kind == KIND_VOLUME {
+            return max(0.0, alpha);
+        }
+        if kind == KIND_STRAND {
+            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell)); // [Andersen2016] eq. 4
+        }
+    }
+    return max(0.0, alpha);
+}
+
+@compute @workgroup_size(64)
+fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= frame.tile_size.x * frame.tile_size.y {
+        return;
+    }
+    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    var g: Gathered;
+    g.through = 1.0;
+    g.fragments = list_length(i);
+    var batch: Batch;
+    var z_after = -1.0;
+    var source_after = 0u;
+    var more = g.fragments > 0u;
+    while more && g.through > fur.opacity_cut {
+        read_batch(&batch, i, z_after, source_after);
+        more = batch.more;
+        for (var k = 0u; k < batch.count; k++) {
+            z_after = batch.z[k];
+            source_after = batch.source[k];
+            let kind = source_after >> KIND_SHIFT;
+            if kind == KIND_STRAND {
+                over_strand(&g, node_color(batch.node[k]), z_after);
+            } else if kind == KIND_VOLUME {
+                var color = node_color(batch.node[k]);
+                if fur.virtual_fragments == 0u {
+                    // A shell fragment looks at what is behind it: where the batch ends early, read on from here.
+                    if k > 0u && batch.more {
+                        read_batch(&batch, i, z_after, source_after - 1u);
+                        more = batch.more;
+                        k = 0u;
+                    }
+                    color *= simplified_alpha(&batch, k) / max(color.a, 1e-6);
+                }
+                over_volume(&g, color, z_after);
+            }
+        }
+    }
+    finish(i, xy, &g);
+}

@@ -1,0 +1,63 @@
+// The camera and the tile in work. Spaces: world (cm); sample grid of the whole film (samples, y down);
+// tile (samples from the tile's corner).
+
+struct Frame {
+    eye: vec3f,          // world, on the lens
+    near: f32,           // cm
+    right: vec3f,
+    tan_x: f32,          // tangent of half the horizontal field of view
+    up: vec3f,
+    tan_y: f32,
+    forward: vec3f,
+    seed: u32,
+    film_size: vec2f,    // samples
+    jitter: vec2f,       // displacement of the sample grid, samples
+    lens_shear: vec2f,   // lens position / focus distance
+    tile_origin: vec2i,  // samples
+    tile_size: vec2u,    // samples
+    flags: u32,
+    node_capacity: u32,  // fragments that the list buffer can hold
+}
+
+@group(0) @binding(0) var<uniform> frame: Frame;
+
+const FLAG_MARCH_JITTER: u32 = 1u;
+
+// Ray through the centre of a sample: forward component 1, so that the ray parameter is the depth z (cm).
+fn sample_ray(xy: vec2u) -> vec3f {
+    let s = vec2f(frame.tile_origin + vec2i(xy)) + 0.5 + frame.jitter;
+    let ndc = vec2f(2.0, -2.0) * s / frame.film_size + vec2f(-1.0, 1.0);
+    let slope = ndc * vec2f(frame.tan_x, frame.tan_y) - frame.lens_shear;
+    return frame.forward + slope.x * frame.right + slope.y * frame.up;
+}
+
+// World to film space: xy in samples (sample centres at half integers), z depth in cm. Nothing here depends on the tile, so that the
+// result does not either.
+fn film_from_world(p: vec3f) -> vec3f {
+    let v = p - frame.eye;
+    let z = dot(v, frame.forward);
+    let slope = vec2f(dot(v, frame.right), dot(v, frame.up)) / z + frame.lens_shear;
+    let ndc = slope / vec2f(frame.tan_x, frame.tan_y);
+    return vec3f((ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size - frame.jitter, z);
+}
+
+// World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions are rounded to the raster's own grid of
+// 1/256 sample in film space, so that a triangle covers the same samples in whatever tile it is drawn.
+fn clip_from_world(p: vec3f) -> vec4f {
+    let v = p - frame.eye;
+    let z = dot(v, frame.forward);
+    if z < frame.near {
+        let slope_z = vec2f(dot(v, frame.right), dot(v, frame.up)) + frame.lens_shear * z;
+        let s_z = (slope_z / vec2f(frame.tan_x, frame.tan_y) * vec2f(0.5, -0.5) + 0.5 * z) * frame.film_size;
+        let tile_z = s_z - (vec2f(frame.tile_origin) + frame.jitter) * z;
+        return vec4f((2.0 * tile_z / vec2f(frame.tile_size) - z) * vec2f(1.0, -1.0), frame.near, z);
+    }
+    let s = round(film_from_world(p).xy * 256.0) / 256.0 - vec2f(frame.tile_origin);
+    let ndc = (2.0 * s / vec2f(frame.tile_size) - 1.0) * vec2f(1.0, -1.0);
+    return vec4f(ndc * z, frame.near, z);
+}
+
+// Samples per cm at depth 1.
+fn samples_per_slope() -> f32 {
+    return 0.5 * frame.film_size.y / frame.tan_y;
+}

@@ -1,0 +1,33 @@
+// Groom of the guard hairs, and the parameters that may come from maps.
+
+struct Parameter {
+    value: vec4f,     // the constant, or the factor on the texel
+    source: u32,      // 0 constant, 1 vertex colour, 2 image by uv, 3 image triplanar
+    texel_base: u32,
+    size: vec2u,
+    offset: f32,
+    channel: u32,     // of a scalar
+    padding: vec2u,
+}
+
+struct Groom {
+    parameters: array<Parameter, 16>,
+    comb_direction: vec3f,
+    segments: u32,
+    diameter: vec3f,        // root, widest, tip; cm
+    widest: f32,
+    color_transition: vec2f,
+    color_variation: f32,
+    length_variation: f32,
+    gravity: f32,
+    spread: f32,            // tangent of the standard deviation
+    clump_density: f32,     // 1/cm2
+    curl_frequency: f32,    // 1/cm
+    frizz_frequency: f32,   // 1/cm
+    opacity: f32,
+    tip_fade: f32,
+    seed: u32,
+    root_darkening: vec2f,
+    paper: u32,             // 1: the paper's local shading
+    padding: u32,
+}

@@ -1,0 +1,20 @@
+// Directional lights and the transmittances in the light lattice.
+
+struct Light {
+    direction: vec3f,   // towards the light, unit
+    undercoat: u32,     // 1: lights the undercoat
+    irradiance: vec3f,
+    padding: u32,
+}
+
+struct Lights {
+    lights: array<Light, 64>,
+}
+
+// Optical depth at which a light counts as blocked.
+const TAU_BLOCKED: f32 = 24.0;
+
+// Optical depths are kept as pairs of halves; the slot behind the last light belongs to the eye.
+fn tau_pairs() -> u32 {
+    return (fur.lights + 2u) / 2u;
+}

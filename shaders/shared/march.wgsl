@@ -1,0 +1,108 @@
+// The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of fixed length, hops over
+// the neighbour table. Depth z is the ray parameter (cm along the viewing direction).
+// Needs: source (array<vec4u>), shared/volume, shared/lattice, frame.
+
+struct March {
+    marching: bool,   // inside the shell
+    last: bool,       // the current step ends where the ray leaves the shell
+    z: f32,           // consumed so far
+    z_end: f32,       // end of the current step
+    dz: f32,
+    speed: f32,       // cm of path a cm of depth
+    sigma: f32,       // extinction of the current step, 1/cm of depth
+    radiance: vec3f,  // source radiance of the current step
+    ray: vec3f,
+    view: vec3f,      // unit, to the eye
+    lost: u32,
+}
+
+fn begin_ray(m: ptr<function, March>, ray: vec3f) {
+    (*m).marching = false;
+    (*m).ray = ray;
+    (*m).speed = length(ray);
+    (*m).view = -ray / (*m).speed;
+    (*m).dz = fur.step / (*m).speed;
+    (*m).lost = 0u;
+}
+
+// Enters the shell through prism `index` at depth z; `phase` in (0, 1] is the length of the first step.
+fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32, z: f32, phase: f32) {
+    enter_prism(place, index);
+    (*place).t = 1.0;
+    (*m).marching = true;
+    (*m).last = false;
+    (*m).z = z;
+    (*m).z_end = z;
+    (*m).dz = fur.step / (*m).speed * phase;
+}
+
+// In-scattered radiance per albedo-weighted extinction at the place.
+fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f {
+    let cell = lattice_cell((*place).prism, (*place).vertices, (*place).lambda, (*place).t);
+    var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
+    var tau = vec2f(0.0);
+    var albedo = vec3f(0.0);
+    for (var k = 0u; k < 3u; k++) {
+        let node = node_index(cell.columns[k], cell.level);
+        let low = source[node];
+        let high = source[node + 1u];
+        let w = cell.weights[k] * vec2f(1.0 - cell.fraction, cell.fraction);
+        ambient += w.x * vec4f(unpack2x16float(low.x), unpack2x16float(low.y))
+            + w.y * vec4f(unpack2x16float(high.x), unpack2x16float(high.y));
+        tau += w.x * unpack2x16float(low.z) + w.y * unpack2x16float(high.z);
+        albedo += w.x * unpack_albedo(low.w) + w.y * unpack_albedo(high.w);
+    }
+    var sum = exp2(ambient.rgb);
+    for (var j = 0u; j < fur.keys; j++) {
+        let l = fur.key_direction[j].xyz;
+        let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
+        sum += fur.key_irradiance[j].rgb * through * kajiya_kay(m.tangent, l, view);
+    }
+    return vec4f(sum * albedo, ambient.a);
+}
+
+// Prepares the next step; returns false where the ray has left the shell.
+fn next_step(m: ptr<function, March>, place: ptr<function, Place>) -> bool {
+    let dz = (*m).dz;
+    (*m).dz = fur.step / (*m).speed;
+    if (*m).last {
+        (*m).marching = false;
+        return false;
+    }
+    let z_mid = (*m).z + 0.5 * dz;
+    let x = frame.eye + z_mid * (*m).ray;
+    let first = (*m).z_end == (*m).z && (*place).t == 1.0;
+    let found = locate(place, x, (*m).ray, select(2u, 4u, first));
+    let t = (*place).t;
+    let slope = (*place).dt_dz;
+    if found != INSIDE || t > 1.0 + max(0.0, -slope * dz) || (t > 1.0 && slope > 0.0) || t < 0.0 {
+        // A step that leaves through the top before its middle still counts its part.
+        if found == INSIDE && t > 1.0 && slope > 0.0 {
+            let z_exit = z_mid - (t - 1.0) / slope;
+            if z_exit > (*m).z {
+                (*place).t = 1.0;
+                (*m).z_end = z_exit;
+                (*m).last = true;
+                set_medium(m, place);
+                return true;
+            }
+        }
+        (*m).lost += u32(found == LOST);
+        (*m).marching = false;
+        return false;
+    }
+    (*m).z_end = (*m).z + dz;
+    if slope > 0.0 && t + 0.5 * dz * slope > 1.0 {
+        (*m).z_end = z_mid + (1.0 - t) / slope;
+        (*m).last = true;
+    }
+    set_medium(m, place);
+    return true;
+}
+
+fn set_medium(m: ptr<function, March>, place: ptr<function, Place>) {
+    let medium = medium_at(place);
+    let source_density = source_radiance(place, medium, (*m).view);
+    (*m).sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
+    (*m).radiance = source_density.rgb;
+}

@@ -1,0 +1,30 @@
+// Random numbers: integer hashes of stable ids, so that nothing depends on the order of threads.
+
+// "lowbias32" integer hash.
+fn hash(value: u32) -> u32 {
+    var x = value;
+    x = (x ^ (x >> 16u)) * 0x7feb352du;
+    x = (x ^ (x >> 15u)) * 0x846ca68bu;
+    return x ^ (x >> 16u);
+}
+
+fn hash2(a: u32, b: u32) -> u32 {
+    return hash(a ^ hash(b + 0x9e3779b9u));
+}
+
+// Uniform in [0, 1) with 24 bits.
+fn unit_float(h: u32) -> f32 {
+    return f32(h >> 8u) * 5.9604645e-8;
+}
+
+// The k-th uniform number of a seed.
+fn random(seed: u32, k: u32) -> f32 {
+    return unit_float(hash2(seed, k));
+}
+
+// Uniform on the unit sphere.
+fn random_direction(seed: u32, k: u32) -> vec3f {
+    let z = 1.0 - 2.0 * random(seed, k);
+    let phi = 6.2831853 * random(seed, k + 1u);
+    return vec3f(sqrt(max(0.0, 1.0 - z * z)) * vec2f(cos(phi), sin(phi)), z);
+}

@@ -1,0 +1,120 @@
+// The prism shell: coordinates, subelement index, neighbour hops.
+// Needs: shell_vertices (array<ShellVertex>), prisms (array<Prism>), fur (uniform Fur).
+
+#import shared/shell_types
+
+const NONE: u32 = 0xffffffffu;
+const HOP_LIMIT: u32 = 16u;
+
+// A point's place in the shell and the geometry of the prism that it is in.
+struct Place {
+    prism: u32,
+    t: f32,          // height, 0 skin, 1 top
+    lambda: vec3f,   // barycentric in the triangle at height t
+    dt_dz: f32,      // change of t along the ray of the last `locate`
+    p0: vec3f, e1: vec3f, e2: vec3f,   // skin triangle: corner and edges
+    v0: vec3f, w1: vec3f, w2: vec3f,   // extrusion at corner 0 and its differences
+    vertices: vec3u,
+    neighbours: vec3u,
+    cell_base: u32,
+    subdivision: u32,
+}
+
+fn enter_prism(place: ptr<function, Place>, index: u32) {
+    let prism = prisms[index];
+    let a = shell_vertices[prism.vertices.x];
+    let b = shell_vertices[prism.vertices.y];
+    let c = shell_vertices[prism.vertices.z];
+    (*place).prism = index;
+    (*place).p0 = a.position;
+    (*place).e1 = b.position - a.position;
+    (*place).e2 = c.position - a.position;
+    (*place).v0 = a.normal * a.height;
+    (*place).w1 = b.normal * b.height - (*place).v0;
+    (*place).w2 = c.normal * c.height - (*place).v0;
+    (*place).vertices = prism.vertices;
+    (*place).neighbours = prism.neighbours;
+    (*place).cell_base = prism.cell_base;
+    (*place).subdivision = prism.subdivision;
+}
+
+// Exact inverse of x(t, lambda) = sum lambda_k (p_k + t v_k): Newton on the cubic F(t) = a . (b x c), from the t in
+// `place`. DEVIATION: [Andersen2016] sec. 3.2 takes t from distances to the prism's top, which disagrees between
+// neighbours and shows seams. `ray` is the direction for dt_dz.
+fn solve(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) {
+    var t = (*place).t;
+    for (var i = 0u; i < iterations; i++) {
+        let a = x - (*place).p0 - t * (*place).v0;
+        let b = (*place).e1 + t * (*place).w1;
+        let c = (*place).e2 + t * (*place).w2;
+        let n = cross(b, c);
+        let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
+        t = clamp(t - dot(a, n) / select(slope, -1e-12, abs(slope) < 1e-12), -0.5, 1.5 * fur.light_reach);
+    }
+    let a = x - (*place).p0 - t * (*place).v0;
+    let b = (*place).e1 + t * (*place).w1;
+    let c = (*place).e2 + t * (*place).w2;
+    let n = cross(b, c);
+    let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
+    let inverse = 1.0 / max(dot(n, n), 1e-30);
+    let l1 = dot(cross(a, c), n) * inverse;
+    let l2 = dot(cross(b, a), n) * inverse;
+    (*place).t = t;
+    (*place).lambda = vec3f(1.0 - l1 - l2, l1, l2);
+    (*place).dt_dz = -dot(ray, n) / select(slope, -1e-12, abs(slope) < 1e-12);
+}
+
+const INSIDE: u32 = 0u;
+const LEFT_BORDER: u32 = 1u;  // over a boundary edge of the skin
+const LOST: u32 = 2u;         // too many hops
+
+// Finds x, hopping from prism to prism over the most negative barycentric coordinate.
+// [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses most rays.
+fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) -> u32 {
+    solve(place, x, ray, iterations);
+    for (var hop = 0u; hop < HOP_LIMIT; hop++) {
+        let l = (*place).lambda;
+        let least = min(l.x, min(l.y, l.z));
+        if least >= -1e-5 {
+            return INSIDE;
+        }
+        let next = select(select((*place).neighbours.z, (*place).neighbours.y, l.y == least), (*place).neighbours.x, l.x == least);
+        if next == NONE {
+            // A point on the border wall may lie outside by rounding.
+            if least >= -2e-3 {
+                return INSIDE;
+            }
+            return LEFT_BORDER;
+        }
+        enter_prism(place, next);
+        solve(place, x, ray, 2u);
+    }
+    return LOST;
+}
+
+// Cell of a subdivided triangle, [Andersen2016] eq. 1 and 2; e_x is the edge opposite corner x, so that the ratio of
+// distances is lambda_x. Both clamps are needed: points on an edge give i_x = 2^d, rounding near grid vertices breaks
+// the sum of the fractions.
+fn subelement(lambda: vec3f, d: u32) -> u32 {
+    let n = i32(1u << d);
+    let i = clamp(vec3i(floor((1.0 - lambda) * f32(n))), vec3i(0), vec3i(n - 1)); // [Andersen2016] eq. 1
+    let offset = clamp(i.y - i.z, -i.x, i.x);
+    return u32(i.x * (1 + i.x) + offset);                                        // [Andersen2016] eq. 2
+}
+
+// Barycentric centroid of a subelement: the inverse of `subelement`.
+fn subelement_centroid(id: u32, d: u32) -> vec3f {
+    let n = i32(1u << d);
+    var row = i32(sqrt(f32(id)));
+    row += i32((row + 1) * (row + 1) <= i32(id)) - i32(row * row > i32(id));
+    let offset = i32(id) - row * (row + 1);
+    let upright = ((offset - row) & 1) == 0;
+    let sum = select(2 * n - 1, 2 * n - 2, upright);
+    let i = vec3i(row, (sum - row + offset) / 2, (sum - row - offset) / 2);
+    return 1.0 - (vec3f(i) + select(1.0 / 3.0, 2.0 / 3.0, upright)) / f32(n);
+}
+
+// Index of a subelement in the volume data: [Andersen2016] eq. 3 with a level d of its own for each prism.
+fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
+    return (*place).cell_base + (layer << (2u * (*place).subdivision)) + id; // [Andersen2016] eq. 3
+}

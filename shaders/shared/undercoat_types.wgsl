@@ -1,0 +1,41 @@
+// Parameters of the undercoat and of its light lattice.
+
+struct Fur {
+    // Volume
+    layers: u32,
+    storage: u32,              // 1 stored, 0 evaluated
+    noise_domain: u32,         // 0 object, 1 uv
+    seed: u32,
+    extinction: f32,           // density x root diameter of the whole undercoat, 1/cm
+    diameter_ratio: f32,       // tip / root
+    noise_frequency: f32,      // 1/cm
+    noise_contrast: f32,
+    height_variation: f32,
+    height_frequency: f32,     // 1/cm
+    uv_jitter: f32,            // cm
+    tangent_jitter: f32,
+    jitter_exponent: f32,
+    step: f32,                 // of the march, cm
+    light_step: f32,           // of the light march, cm
+    height: f32,               // largest shell height, cm
+    lean: vec3f,               // comb direction times tangent of the lean
+    diffuse: f32,
+    specular: f32,
+    specular_exponent: f32,
+    forward_scattering: f32,
+    isotropic: u32,            // 1: extinction does not depend on the angle to the hairs (paper)
+    // Light lattice
+    lattice: u32,              // cells along a triangle's edge N
+    levels: u32,               // cells from skin to top; levels + 1 nodes
+    light_reach: f32,          // top of the lattice in shell heights
+    lights: u32,
+    columns: u32,              // lattice columns
+    keys: u32,                 // lights looked up one by one in the march
+    opacity_cut: f32,          // transmittance under which a ray ends
+    virtual_fragments: u32,
+    density: f32,              // mean density, 1/cm2
+    attenuation: f32,          // a of eq. 4, 1/cm
+    key_lights: vec2u,         // their numbers among the lights
+    key_direction: array<vec4f, 2>,
+    key_irradiance: array<vec4f, 2>,
+}

@@ -1,0 +1,61 @@
+// Step 5: shell fragments, [Andersen2016] sec. 3.2: where rays enter the shell. The top faces, and the walls over the border of an
+// open skin, without which its rim would be bald. The raster stage only writes which prism and how deep.
+
+@group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(2) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(3) var<storage, read> border: array<vec2u>;       // triangle and corner opposite the border edge
+@group(0) @binding(4) var<storage, read> base_records: array<vec4u>;
+@group(0) @binding(5) var<storage, read_write> fragment_lists: array<atomic<u32>>;
+
+#import shared/frame
+#import shared/shell_types
+#import shared/oit
+#import shared/oit_write
+
+struct Varying {
+    @builtin(position) clip: vec4f,
+    @interpolate(flat) @location(0) prism: u32,
+    @interpolate(flat) @location(1) plane: vec4f, // normal, and distance from the eye times its length
+}
+
+fn plane_of(a: vec3f, b: vec3f, c: vec3f) -> vec4f {
+    let n = cross(b - a, c - a);
+    return vec4f(n, dot(n, a - frame.eye));
+}
+
+fn raised(vertex: u32) -> vec3f {
+    return shell_vertices[vertex].position + shell_vertices[vertex].height * shell_vertices[vertex].normal;
+}
+
+@vertex
+fn top(@builtin(vertex_index) i: u32) -> Varying {
+    let prism = i / 3u;
+    let v = prisms[prism].vertices;
+    return Varying(clip_from_world(raised(v[i % 3u])), prism, plane_of(raised(v.x), raised(v.y), raised(v.z)));
+}
+
+// The wall over a border edge: two triangles that face outwards.
+@vertex
+fn wall(@builtin(vertex_index) i: u32) -> Varying {
+    let edge = border[i / 6u];
+    let v = prisms[edge.x].vertices;
+    let a = v[(edge.y + 1u) % 3u];
+    let b = v[(edge.y + 2u) % 3u];
+    var p = array<vec3f, 3>(shell_vertices[a].position, shell_vertices[b].position, raised(b));
+    if i % 6u >= 3u {
+        p = array<vec3f, 3>(shell_vertices[a].position, raised(b), raised(a));
+    }
+    return Varying(clip_from_world(p[i % 3u]), edge.x, plane_of(p[0], p[1], p[2]));
+}
+
+@fragment
+fn fragment(in: Varying) {
+    let xy = vec2u(in.clip.xy);
+    let i = xy.y * frame.tile_size.x + xy.x;
+    // The depth from the plane itself: the raster's interpolation depends on the tile.
+    let along = dot(sample_ray(xy), in.plane.xyz);
+    let z = in.plane.w / select(along, -1e-20, abs(along) < 1e-20);
+    if z > frame.near && z < bitcast<f32>(base_records[i].x) {
+        add_fragment(i, z, (KIND_ENTRY << KIND_SHIFT) | (in.prism & ID_MASK), vec4f(0.0));
+    }
+}

@@ -1,0 +1,33 @@
+// Step 2: what the columns of the light lattice know of the skin below them: density factor and colours, read from the maps.
+
+@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> groom: Groom;
+@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(5) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
+@group(0) @binding(7) var<storage, read_write> columns: array<Column>;
+
+#import shared/index
+#import shared/undercoat_types
+#import shared/shell_types
+#import shared/lattice
+#import shared/column
+#import shared/record
+#import shared/groom
+#import shared/roots
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= fur.columns {
+        return;
+    }
+    let spot = column_spot(i, columns[i].corner);
+    let at = skin_point(spot.prism, spot.lambda);
+    // Relative to the density that fur.extinction holds.
+    columns[i].density = scalar(UNDERCOAT_DENSITY, at) / fur.density;
+    columns[i].color_root = pack_albedo(color(UNDERCOAT_COLOR_ROOT, at));
+    columns[i].color_tip = pack_albedo(color(UNDERCOAT_COLOR_TIP, at));
+    columns[i].color_base = pack_albedo(color(BASE_COLOR, at));
+}

@@ -1,0 +1,78 @@
+// Step 1: the prism shell, extruded along smoothed normals, [Andersen2016] sec. 3 and fig. 3. `fold` finds how far each vertex
+// can be extruded before a prism turns over, `vertices` extrudes, `prisms` joins the tables.
+
+struct Counts {
+    vertices: u32,
+    triangles: u32,
+}
+
+@group(0) @binding(1) var<uniform> counts: Counts;
+@group(0) @binding(2) var<uniform> groom: Groom;
+@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(4) var<storage, read> skin_vertices: array<ShellVertex>;      // height: unused
+@group(0) @binding(5) var<storage, read> triangles: array<u32>;
+@group(0) @binding(6) var<storage, read> vertex_uv: array<vec2f>;
+@group(0) @binding(7) var<storage, read_write> reach: array<atomic<u32>>;        // bits of a height, cm
+@group(0) @binding(8) var<storage, read_write> shell_vertices: array<ShellVertex>;
+@group(0) @binding(9) var<storage, read> neighbours: array<u32>;
+@group(0) @binding(10) var<storage, read> subdivisions: array<vec2u>;            // level d, first subelement
+@group(0) @binding(11) var<storage, read_write> prisms: array<Prism>;
+
+#import shared/index
+#import shared/shell_types
+#import shared/groom
+
+fn wanted_height(v: u32) -> f32 {
+    let s = skin_vertices[v];
+    return max(0.0, scalar(UNDERCOAT_HEIGHT, SkinPoint(s.position, s.normal, vertex_uv[v], unpack4x8unorm(s.color).rgb)));
+}
+
+// Where neighbouring normals meet below the wanted height the shell would fold over: the three vertices are lowered to
+// where the prism keeps a tenth of its area. A lowered vertex keeps a fifth of its height, so that no spot is bald.
+@compute @workgroup_size(64)
+fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let t = linear_index(id, groups);
+    if t >= counts.triangles {
+        return;
+    }
+    let v = vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let h = vec3f(wanted_height(v.x), wanted_height(v.y), wanted_height(v.z));
+    let p0 = skin_vertices[v.x].position;
+    let p1 = skin_vertices[v.y].position;
+    let p2 = skin_vertices[v.z].position;
+    let n = cross(p1 - p0, p2 - p0);
+    for (var step = 0u; step < 9u; step++) {
+        let part = 1.0 - 0.1 * f32(step);
+        let q0 = p0 + part * h.x * skin_vertices[v.x].normal;
+        let q1 = p1 + part * h.y * skin_vertices[v.y].normal;
+        let q2 = p2 + part * h.z * skin_vertices[v.z].normal;
+        if dot(cross(q1 - q0, q2 - q0), n) > 0.1 * dot(n, n) || step == 8u {
+            for (var k = 0u; k < 3u; k++) {
+                atomicMin(&reach[v[k]], bitcast<u32>(part * h[k]));
+            }
+            return;
+        }
+    }
+}
+
+@compute @workgroup_size(64)
+fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let v = linear_index(id, groups);
+    if v >= counts.vertices {
+        return;
+    }
+    var s = skin_vertices[v];
+    s.height = min(wanted_height(v), bitcast<f32>(atomicLoad(&reach[v])));
+    shell_vertices[v] = s;
+}
+
+@compute @workgroup_size(64)
+fn prisms_of_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let t = linear_index(id, groups);
+    if t >= counts.triangles {
+        return;
+    }
+    let first = 3u * t;
+    prisms[t] = Prism(vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]), subdivisions[t].y,
+        vec3u(neighbours[first], neighbours[first + 1u], neighbours[first + 2u]), subdivisions[t].x);
+}

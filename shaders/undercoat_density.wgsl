@@ -1,0 +1,42 @@
+// Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016] sec. 3.2. Four bytes a
+// subelement. One invocation fills one layer of one prism.
+
+struct Counts {
+    triangles: u32,
+}
+
+@group(0) @binding(1) var<uniform> counts: Counts;
+@group(0) @binding(2) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> noise: Noise;
+@group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(5) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
+@group(0) @binding(7) var<storage, read_write> cells: array<u32>;
+
+#import shared/index
+#import shared/random
+#import shared/noise
+#import shared/octahedral
+#import shared/undercoat
+#import shared/clumps
+#import shared/shell
+#import shared/volume
+
+// Here the volume is being written: uv come from their own buffer.
+fn uv_of_corner(corner: u32) -> vec2f {
+    return corner_uv[corner];
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= counts.triangles * fur.layers {
+        return;
+    }
+    let layer = i % fur.layers;
+    var place: Place;
+    enter_prism(&place, i / fur.layers);
+    for (var cell = 0u; cell < (1u << (2u * place.subdivision)); cell++) {
+        cells[volume_index(&place, layer, cell)] = pack_medium(subelement_medium(&place, layer, cell));
+    }
+}

@@ -1,0 +1,138 @@
+// Step 5: the march that makes fragments of the undercoat, for the blending modes that store them: one shell fragment an entry, or
+// virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact mode marches while it resolves instead.
+
+@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> noise: Noise;
+@group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(4) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(5) var<storage, read> cells: array<u32>;
+@group(0) @binding(6) var<storage, read> source: array<vec4u>;
+@group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> lost_rays: array<atomic<u32>>;
+
+#import shared/frame
+#import shared/index
+#import shared/random
+#import shared/noise
+#import shared/octahedral
+#import shared/undercoat
+#import shared/clumps
+#import shared/shell
+#import shared/uv_in_cells
+#import shared/volume
+#import shared/lattice
+#import shared/record
+#import shared/march
+#import shared/phase
+#import shared/oit
+#import shared/oit_write
+#import shared/base
+
+const ENTRIES: u32 = 12u;
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= frame.tile_size.x * frame.tile_size.y {
+        return;
+    }
+    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    let z_base = bitcast<f32>(base_records[i].x);
+    var march: March;
+    var place: Place;
+    begin_ray(&march, sample_ray(xy));
+    let virtual_fragments = fur.virtual_fragments;
+    var z_after = 0.0;
+    var source_after = 0u;
+    var serial = 0u;
+    // Entries in order of depth; intervals that overlap another are shortened, not counted twice.
+    loop {
+        // The next entry behind the last.
+        var z_entry = NO_BASE;
+        var entry = 0u;
+        var node = atomicLoad(&fragment_lists[head_word(i)]);
+        while node != 0u {
+            let at = node_word(node);
+            let z = bitcast<f32>(atomicLoad(&fragment_lists[at + 1u]));
+            let key = atomicLoad(&fragment_lists[at + 2u]);
+            let behind = z > z_after || (z == z_after && key > source_after);
+            if (key >> KIND_SHIFT) == KIND_ENTRY && behind && (z < z_entry || (z == z_entry && key < entry)) {
+                z_entry = z;
+                entry = key;
+            }
+            node = atomicLoad(&fragment_lists[at]);
+        }
+        if z_entry == NO_BASE {
+            break;
+        }
+        let consumed = march.z;
+        enter_shell(&march, &place, entry & ID_MASK, z_entry, first_phase(xy));
+        var through = 1.0;      // of this entry
+        var chunk = vec4f(0.0); // premultiplied
+        var chunk_z = z_entry;
+        var closed = 0u;        // virtual fragments closed
+        while march.marching && through > fur.opacity_cut {
+            if !next_step(&march, &place) {
+                break;
+            }
+            let z0 = max(march.z, consumed);
+            let z1 = min(march.z_end, z_base);
+            march.z = march.z_end;
+            if z1 <= z0 {
+                if march.z >= z_base {
+                    break;
+                }
+                continue;
+            }
+            // The part of the step, cut where a virtual fragment is full: fragments of equal opacity, so that none is spent
+            // where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a fixed number of steps.
+            var z = z0;
+            let rest = exp(-march.sigma * (z1 - z0));
+            let through_end = through * rest;
+            while z < z1 {
+                var z_next = z1;
+                var through_next = through_end;
+                if virtual_fragments > 0u {
+                    let level = 1.0 - f32(closed + 1u) / f32(virtual_fragments);
+                    if level >= through_end && level > 0.0 {
+                        z_next = clamp(z + log(through / level) / max(march.sigma, 1e-9), z, z1);
+                        through_next = level;
+                    }
+                }
+                let part = 1.0 - through_next / through;
+                let room = 1.0 - chunk.a;
+                chunk += room * part * vec4f(march.radiance, 1.0);
+                if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments)
+                    && through > 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments) {
+                    // The fragment stands where half of its opacity is reached.
+                    chunk_z = z + log(through / (1.0 - (f32(closed) + 0.5) / f32(virtual_fragments))) / max(march.sigma, 1e-9);
+                }
+                through = through_next;
+                z = z_next;
+                if virtual_fragments > 0u && z_next < z1 {
+                    if chunk.a > 0.0 {
+                        add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+                        serial++;
+                    }
+                    chunk = vec4f(0.0);
+                    chunk_z = z;
+                    closed++;
+                }
+            }
+            if march.z >= z_base {
+                break;
+            }
+        }
+        if chunk.a > 0.0 {
+            add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+            serial++;
+        }
+        z_after = z_entry;
+        source_after = entry;
+        march.z = max(march.z, consumed);
+    }
+    if march.lost > 0u {
+        atomicAdd(&lost_rays[0], march.lost);
+    }
+}

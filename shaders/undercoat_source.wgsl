@@ -1,0 +1,73 @@
+// Step 2: what the march and the skin look up of the lights: the lattice's optical depths reduced to two key lights, and all other
+// lights summed to a radiance towards the eye.
+
+@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> lights: Lights;
+@group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(4) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(5) var<storage, read> columns: array<Column>;
+@group(0) @binding(6) var<storage, read> tau: array<u32>;
+@group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
+
+#import shared/frame
+#import shared/index
+#import shared/octahedral
+#import shared/undercoat
+#import shared/shell
+#import shared/lattice
+#import shared/column
+#import shared/lights
+#import shared/record
+
+fn tau_of(node: u32, light: u32) -> f32 {
+    return unpack2x16float(tau[node * tau_pairs() + light / 2u])[light & 1u];
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let node = linear_index(id, groups);
+    if node >= fur.columns * (fur.levels + 1u) {
+        return;
+    }
+    let column = node / (fur.levels + 1u);
+    let level = node % (fur.levels + 1u);
+    let height = f32(level) / f32(fur.levels) * fur.light_reach;
+    let t = min(height, 1.0);
+    let spot = column_spot(column, columns[column].corner);
+    var place: Place;
+    enter_prism(&place, spot.prism);
+    let l = spot.lambda;
+    let v = prisms[spot.prism].vertices;
+    let normal = normalize(l.x * shell_vertices[v.x].normal + l.y * shell_vertices[v.y].normal + l.z * shell_vertices[v.z].normal);
+    let x = place.p0 + l.y * place.e1 + l.z * place.e2 + height * (place.v0 + l.y * place.w1 + l.z * place.w2);
+    let tangent = normalize(normal + fur.lean * t);
+    let view = normalize(frame.eye - x);
+    let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
+    let attenuation = 1.0 - fur.forward_scattering * albedo;
+    var ambient = vec3f(0.0);
+    var key_tau = vec2f(0.0);
+    for (var j = 0u; j < fur.lights; j++) {
+        let depth = tau_of(node, j);
+        if j == fur.key_lights.x && fur.keys > 0u {
+            key_tau.x = depth;
+        } else if j == fur.key_lights.y && fur.keys > 1u {
+            key_tau.y = depth;
+        } else if lights.lights[j].undercoat == 1u {
+            ambient += lights.lights[j].irradiance * exp(-depth * attenuation)
+                * kajiya_kay(tangent, lights.lights[j].direction, view);
+        }
+    }
+    let log_ambient = log2(max(ambient, vec3f(1e-7)));
+    source[node] = vec4u(pack2x16float(log_ambient.rg), pack2x16float(vec2f(log_ambient.b, columns[column].density)),
+        pack2x16float(key_tau), pack_albedo(albedo));
+    if level == 0u {
+        var radiance = vec3f(0.0);
+        for (var j = 0u; j < fur.lights; j++) {
+            let facing = max(0.0, dot(normal, lights.lights[j].direction));
+            radiance += lights.lights[j].irradiance * facing * exp(-tau_of(node, j) * attenuation);
+        }
+        radiance *= unpack_albedo(columns[column].color_base) * 0.31830989;
+        base_light[column] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
+    }
+}

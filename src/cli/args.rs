@@ -1,0 +1,173 @@
+//! Arguments that several subcommands share, and the forms of their values.
+
+use crate::{
+    Result, Scene,
+    assets::Assets,
+    scene::{Blend, Fur, Override, Tonemap},
+};
+use clap::{Args, ValueEnum};
+use std::path::PathBuf;
+
+/// A scene file and what the command line sets over it.
+#[derive(Debug, Args)]
+pub(super) struct SceneArgs {
+    /// The scene file (TOML).
+    #[arg(value_name = "SCENE")]
+    pub scene: PathBuf,
+    /// Set a value over the scene file, e.g. -D camera.fov=30 or -D lights.0.irradiance=[1,1,1].
+    #[arg(short = 'D', value_name = "KEY.PATH=VALUE", value_parser = key_value)]
+    define: Vec<String>,
+    /// Samples a pixel.
+    #[arg(long, value_name = "N", help_heading = "Scene overrides")]
+    spp: Option<u32>,
+    /// Seed of everything random.
+    #[arg(long, value_name = "N", help_heading = "Scene overrides")]
+    seed: Option<u32>,
+    /// Which layers are rendered.
+    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    fur: Option<Fur>,
+    /// How undercoat and guard hairs are blended.
+    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    blend: Option<Blend>,
+    /// Virtual fragments a ray, for --blend virtual.
+    #[arg(long, value_name = "N", help_heading = "Scene overrides")]
+    virtual_fragments: Option<u32>,
+    /// GPU memory budget, e.g. 1GiB or 512MiB.
+    #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Scene overrides")]
+    memory: Option<u64>,
+    /// Edge of a tile, samples.
+    #[arg(long, value_name = "N", help_heading = "Scene overrides")]
+    tile: Option<u32>,
+    /// Image size, pixels.
+    #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Scene overrides")]
+    size: Option<[u32; 2]>,
+    /// Tone mapping of PNG output.
+    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    tonemap: Option<Tonemap>,
+    /// Exposure, stops.
+    #[arg(long, value_name = "STOPS", allow_negative_numbers = true, help_heading = "Scene overrides")]
+    exposure: Option<f32>,
+    /// Make repairs of the mesh errors.
+    #[arg(long, help_heading = "Scene overrides")]
+    strict: bool,
+}
+
+impl SceneArgs {
+    /// Loads the scene with all overrides.
+    pub fn load(&self) -> Result<(Scene, Assets)> {
+        Scene::load_with(&self.scene, &self.overrides()?)
+    }
+
+    /// `-D` in order, then the flags.
+    fn overrides(&self) -> Result<Vec<Override>> {
+        let mut all = self.define.iter().map(|d| Override::parse(d)).collect::<Result<Vec<_>>>()?;
+        let word = |w: Option<clap::builder::PossibleValue>| w.map(|w| w.get_name().to_owned());
+        let flags = [
+            ("--spp", "film.spp", self.spp.map(|v| v.to_string())),
+            ("--seed", "render.seed", self.seed.map(|v| v.to_string())),
+            ("--fur", "render.fur", word(self.fur.and_then(|v| v.to_possible_value()))),
+            ("--blend", "render.blend", word(self.blend.and_then(|v| v.to_possible_value()))),
+            (
+                "--virtual-fragments",
+                "render.virtual_fragments",
+                self.virtual_fragments.map(|v| v.to_string()),
+            ),
+            ("--memory", "render.memory", self.memory.map(|v| v.to_string())),
+            ("--tile", "render.tile", self.tile.map(|v| v.to_string())),
+            ("--size", "film.width", self.size.map(|s| s[0].to_string())),
+            ("--size", "film.height", self.size.map(|s| s[1].to_string())),
+            ("--tonemap", "film.tonemap", word(self.tonemap.and_then(|v| v.to_possible_value()))),
+            ("--exposure", "film.exposure", self.exposure.map(|v| format!("{v:?}"))),
+            ("--strict", "mesh.strict", self.strict.then(|| "true".to_owned())),
+        ];
+        for (flag, path, value) in flags {
+            if let Some(value) = value {
+                all.push(Override { flag: format!("{flag} {value}"), path: path.to_owned(), value });
+            }
+        }
+        Ok(all)
+    }
+}
+
+fn key_value(text: &str) -> Result<String, String> {
+    Override::parse(text).map(|_| text.to_owned()).map_err(|_| "expected key.path=value".into())
+}
+
+/// `WxH` in pixels.
+pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    let expected = || format!("expected WIDTHxHEIGHT in pixels, e.g. 960x568, found {text:?}");
+    let (w, h) = text.split_once(['x', 'X']).ok_or_else(expected)?;
+    let side = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0).ok_or_else(expected);
+    Ok([side(w)?, side(h)?])
+}
+
+/// Bytes: a number with an optional unit B, kB, MB, GB (powers of 1000) or KiB, MiB, GiB (powers of 1024).
+pub(super) fn bytes(text: &str) -> Result<u64, String> {
+    let expected = || format!("expected a size such as 1GiB, 512MiB or 2GB, found {text:?}");
+    let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let number: f64 = number.parse().map_err(|_| expected())?;
+    let factor = match unit.trim().to_ascii_lowercase().as_str() {
+        "" | "b" => 1_u64,
+        "kb" => 1000,
+        "mb" => 1_000_000,
+        "gb" => 1_000_000_000,
+        "k" | "kib" => 1 << 10,
+        "m" | "mib" => 1 << 20,
+        "g" | "gib" => 1 << 30,
+        _ => return Err(expected()),
+    };
+    let bytes = number * factor as f64;
+    if bytes.is_finite() && bytes < (1_u64 << 53) as f64 { Ok(bytes as u64) } else { Err(expected()) }
+}
+
+/// `x0,x1,y0,y1` in 0..1, as pbrt writes it.
+pub(super) fn crop(text: &str) -> Result<[f32; 4], String> {
+    let expected =
+        || format!("expected x0,x1,y0,y1 with 0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1, found {text:?}");
+    let numbers: Vec<f32> =
+        text.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| expected())?;
+    let [x0, x1, y0, y1] = numbers[..] else { return Err(expected()) };
+    let ordered = |a: f32, b: f32| (0.0..=1.0).contains(&a) && (0.0..=1.0).contains(&b) && a < b;
+    if ordered(x0, x1) && ordered(y0, y1) { Ok([x0, x1, y0, y1]) } else { Err(expected()) }
+}
+
+/// A finite number that is not negative.
+pub(super) fn threshold(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x >= 0.0 => Ok(x),
+        _ => Err(format!("expected a number of at least 0, found {text:?}")),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn sizes_of_memory() {
+        assert_eq!(bytes("1GiB"), Ok(1 << 30));
+        assert_eq!(bytes("1.5 MiB"), Ok(3 << 19));
+        assert_eq!(bytes("2GB"), Ok(2_000_000_000));
+        assert_eq!(bytes("4096"), Ok(4096));
+        for bad in ["", "GiB", "1 parsec", "-1GiB", "1e400", "99999999GiB"] {
+            assert!(bytes(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn sizes_of_images() {
+        assert_eq!(size("960x568"), Ok([960, 568]));
+        for bad in ["960", "0x5", "x", "960x", "-1x4"] {
+            assert!(size(bad).is_err(), "{bad}");
+        }
+    }
+
+    #[test]
+    fn crop_windows() {
+        assert_eq!(crop("0,0.5,0.25,1"), Ok([0.0, 0.5, 0.25, 1.0]));
+        for bad in ["0,1,0", "0.5,0.5,0,1", "0,2,0,1", "a,b,c,d", "nan,1,0,1"] {
+            assert!(crop(bad).is_err(), "{bad}");
+        }
+    }
+}

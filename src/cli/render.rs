@@ -1,0 +1,137 @@
+//! `pelage render`.
+
+use super::{
+    Global,
+    args::{self, SceneArgs},
+    interrupt,
+    output::{self, count, human_bytes},
+    progress::Display,
+};
+use crate::{
+    Error, Result, Scene, World,
+    film::{Metadata, composite, depth_of_field, io},
+    render::{self, RenderOptions},
+    stats::Stats,
+};
+use clap::Args;
+use std::{path::PathBuf, sync::atomic::Ordering};
+
+#[derive(Debug, Args)]
+pub(super) struct RenderArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Output file, .png or .exr (EXR holds all layers); may be given several times.
+    #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
+    outfile: Vec<PathBuf>,
+    /// Render only a part of the film, in 0..1 of its width and height.
+    #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
+    cropwindow: Option<[f32; 4]>,
+    /// Write the statistics to a JSON file.
+    #[arg(long, value_name = "FILE.json")]
+    stats: Option<PathBuf>,
+    /// Print the statistics as JSON instead of as text.
+    #[arg(long)]
+    json: bool,
+}
+
+/// Renders; on an interrupt the partial image is written before [`Error::Interrupted`] is returned.
+pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
+    let exr = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
+    let png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
+    if let Some(path) = args.outfile.iter().find(|path| !exr(path) && !png(path)) {
+        let found = path.display();
+        return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
+    }
+    let (scene, assets) = args.scene.load()?;
+    args.outfile.iter().chain(&args.stats).try_for_each(|path| io::check_target(path))?;
+    let cancel = interrupt::listen()?;
+    let world = World::load(scene, &assets)?;
+    if !global.quiet {
+        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    }
+    if cancel.load(Ordering::SeqCst) {
+        return Err(Error::Interrupted);
+    }
+
+    let display = Display::new(global.progress, global.quiet);
+    let show = |progress| display.update(progress);
+    let options = RenderOptions {
+        crop: args.cropwindow,
+        aovs: args.outfile.iter().any(exr) || world.scene.camera.lens.is_some(),
+        progress: Some(&show),
+        cancel: Some(cancel),
+    };
+    let frame = render::render(&world, &options);
+    display.finish();
+    let mut frame = frame?;
+
+    depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
+    composite::over_background(&mut frame.film, &world.scene, &assets)?;
+    let metadata = metadata(&world.scene, &frame.stats);
+    for path in &args.outfile {
+        io::write(&frame.film, path, &metadata, &world.scene.film)?;
+    }
+    let json = serde_json::to_value(&frame.stats)
+        .map_err(|e| Error::Check(format!("the statistics cannot be written as JSON: {e}")))?;
+    if let Some(path) = &args.stats {
+        output::write_json(path, &json)?;
+    }
+    if args.json {
+        output::print_json(&json)?;
+    } else if !global.quiet {
+        output::print(&summary(args, &frame.stats))?;
+    }
+    if frame.complete { Ok(()) } else { Err(Error::Interrupted) }
+}
+
+/// What an image says about how it was made. The resolved scene renders the same without the files it included or the
+/// flags that changed it.
+fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
+    Metadata::of_program()
+        .with_scene(&toml::to_string(scene).unwrap_or_default())
+        .with_seed(scene.render.seed)
+        .with_command_line(output::command_line())
+        .with_stats(stats)
+}
+
+/// The statistics for people: what was written, counts, and the rows of Andersen et al. 2016, Table 1.
+fn summary(args: &RenderArgs, s: &Stats) -> String {
+    let files: Vec<_> = args.outfile.iter().map(|p| p.display().to_string()).collect();
+    let mut text = format!(
+        "{}: {} x {}, {} spp, {} ({}), {:.2} s\n",
+        files.join(", "),
+        s.width,
+        s.height,
+        s.spp,
+        s.fur,
+        s.blend,
+        s.total_ms / 1000.0
+    );
+    text += &format!("adapter    {} ({})\n", s.adapter, s.driver);
+    text += &format!(
+        "geometry   {} triangles, {} strands, {} subelements ({})\n",
+        count(s.triangles),
+        count(s.strands),
+        count(s.subelements),
+        s.storage
+    );
+    text += &format!(
+        "fragments  {}, at most {} a sample, {} dropped; {} rays lost; {} tiles, {} of them again\n",
+        count(s.fragments),
+        count(s.fragments_max),
+        count(s.fragments_dropped),
+        count(s.rays_lost),
+        count(s.tiles),
+        count(s.tiles_retried)
+    );
+    text += &format!(
+        "memory     {} at most, budget {}\n",
+        human_bytes(s.gpu_peak_bytes),
+        human_bytes(s.memory_budget_bytes)
+    );
+    for step in &s.steps {
+        let ms = step.ms.map_or("n/a".into(), |ms| format!("{ms:.1} ms"));
+        text += &format!("{:>4}  {:<36} {ms:>12} {:>12}\n", step.step, step.name, human_bytes(step.bytes));
+    }
+    text
+}

@@ -1,0 +1,9 @@
+//! `pelage schema`.
+
+use super::output;
+use crate::{Result, scene};
+
+/// Prints the JSON schema of scene files.
+pub(super) fn run() -> Result<()> {
+    output::print_json(scene::json_schema())
+}

@@ -1,0 +1,200 @@
+//! The GPU: one place for the adapter, its limits, kernels by reflection, counted memory and timed recordings.
+
+pub mod adapter;
+pub mod kernel;
+pub mod memory;
+pub mod recorder;
+pub mod shader;
+
+pub use adapter::{AdapterSummary, list_adapters};
+pub use kernel::{Kernel, RasterKernel, Resource, Scope};
+pub use memory::{Buffer, Ledger};
+pub use recorder::Recorder;
+
+use crate::{Error, Result};
+use std::sync::{Arc, Mutex};
+
+/// An open device with everything that the passes need of it.
+pub struct Gpu {
+    /// The device.
+    pub device: wgpu::Device,
+    /// Its queue.
+    pub queue: wgpu::Queue,
+    /// Name, driver, type.
+    pub info: wgpu::AdapterInfo,
+    /// Limits granted.
+    pub limits: wgpu::Limits,
+    /// Whether passes can be timed.
+    pub timestamps: bool,
+    /// Allocations alive and their peak.
+    pub ledger: Arc<Ledger>,
+    faults: Arc<Mutex<Faults>>,
+}
+
+/// What the device reported outside any error scope.
+#[derive(Default)]
+struct Faults {
+    lost: Option<String>,
+    errors: Vec<String>,
+    out_of_memory: bool,
+}
+
+impl Gpu {
+    /// Opens the adapter that the environment asks for (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF).
+    ///
+    /// # Errors
+    /// [`Error::Adapter`] if no adapter answers, none has the asked name, or its limits are below what the passes need.
+    pub fn open() -> Result<Self> {
+        let adapter = adapter::select()?;
+        let info = adapter.get_info();
+        let limits = adapter::limits_for(&adapter)?;
+        let timestamps = adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY);
+        let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
+            label: Some("pelage"),
+            required_features: if timestamps { wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() },
+            required_limits: limits.clone(),
+            ..Default::default()
+        }))
+        .map_err(|e| Error::Adapter(format!("{}: no device: {e}", info.name)))?;
+        let faults = Arc::new(Mutex::new(Faults::default()));
+        let seen = faults.clone();
+        device.on_uncaptured_error(Arc::new(move |error: wgpu::Error| {
+            if let Ok(mut faults) = seen.lock() {
+                faults.out_of_memory |= matches!(error, wgpu::Error::OutOfMemory { .. });
+                faults.errors.push(error.to_string());
+            }
+        }));
+        let seen = faults.clone();
+        device.set_device_lost_callback(move |reason, message| {
+            if let Ok(mut faults) = seen.lock()
+                && !matches!(reason, wgpu::DeviceLostReason::Destroyed)
+            {
+                faults.lost = Some(message);
+            }
+        });
+        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults })
+    }
+
+    /// An error if the device reported one since the last call; `during` names the pass.
+    pub fn check(&self, during: &str) -> Result<()> {
+        let mut faults = self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some(reason) = faults.lost.clone() {
+            return Err(Error::DeviceLost { during: during.into(), reason });
+        }
+        if std::mem::take(&mut faults.out_of_memory) {
+            faults.errors.clear();
+            return Err(Error::OutOfMemory { pass: during.into(), needed: self.ledger.current() });
+        }
+        match std::mem::take(&mut faults.errors).into_iter().next() {
+            Some(reason) => Err(Error::gpu(during, reason)),
+            None => Ok(()),
+        }
+    }
+
+    /// Largest buffer that one binding can show, bytes.
+    pub fn binding_limit(&self) -> u64 {
+        self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
+    }
+
+    /// A storage buffer of `size` bytes, zeroed, counted under `step` of Table 1.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if it does not fit one binding or the device has no room.
+    pub fn storage(&self, name: &'static str, step: u32, size: u64) -> Result<Buffer> {
+        let size = size.max(16).next_multiple_of(16);
+        if size > self.binding_limit() {
+            return Err(Error::OutOfMemory { pass: name.into(), needed: size });
+        }
+        use wgpu::BufferUsages as U;
+        self.allocate(name, step, size, U::STORAGE | U::COPY_SRC | U::COPY_DST)
+    }
+
+    /// A storage buffer that holds `data`.
+    ///
+    /// # Errors
+    /// As [`Gpu::storage`].
+    pub fn upload<T: bytemuck::NoUninit>(&self, name: &'static str, step: u32, data: &[T]) -> Result<Buffer> {
+        let bytes: &[u8] = bytemuck::cast_slice(data);
+        let buffer = self.storage(name, step, bytes.len() as u64)?;
+        self.queue.write_buffer(&buffer.raw, 0, bytes);
+        Ok(buffer)
+    }
+
+    /// A uniform buffer that holds `value`.
+    ///
+    /// # Errors
+    /// As [`Gpu::storage`].
+    pub fn uniform<T: bytemuck::NoUninit>(&self, name: &'static str, value: &T) -> Result<Buffer> {
+        let bytes = bytemuck::bytes_of(value);
+        use wgpu::BufferUsages as U;
+        let buffer =
+            self.allocate(name, 0, (bytes.len() as u64).next_multiple_of(16), U::UNIFORM | U::COPY_DST)?;
+        self.queue.write_buffer(&buffer.raw, 0, bytes);
+        Ok(buffer)
+    }
+
+    fn allocate(
+        &self,
+        name: &'static str,
+        step: u32,
+        size: u64,
+        usage: wgpu::BufferUsages,
+    ) -> Result<Buffer> {
+        let scope = self.device.push_error_scope(wgpu::ErrorFilter::OutOfMemory);
+        let raw = self.device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some(name),
+            size,
+            usage,
+            mapped_at_creation: false,
+        });
+        if pollster::block_on(scope.pop()).is_some() {
+            return Err(Error::OutOfMemory { pass: name.into(), needed: size });
+        }
+        self.check(name)?;
+        Ok(Buffer::new(raw, name, size, step, self.ledger.clone()))
+    }
+
+    /// Reads a storage buffer back.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] or [`Error::Gpu`] if the copy fails.
+    pub fn read<T: bytemuck::Pod>(&self, buffer: &Buffer, bytes: u64) -> Result<Vec<T>> {
+        let size = bytes.min(buffer.size).next_multiple_of(4);
+        use wgpu::BufferUsages as U;
+        let staging = self.allocate("staging", 0, size.max(16), U::MAP_READ | U::COPY_DST)?;
+        let mut encoder = self.device.create_command_encoder(&Default::default());
+        encoder.copy_buffer_to_buffer(&buffer.raw, 0, &staging.raw, 0, size);
+        self.queue.submit([encoder.finish()]);
+        let result = Arc::new(Mutex::new(None));
+        let done = result.clone();
+        staging.raw.map_async(wgpu::MapMode::Read, 0..size, move |r| {
+            if let Ok(mut slot) = done.lock() {
+                *slot = Some(r);
+            }
+        });
+        self.wait(buffer.name)?;
+        match result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take() {
+            Some(Ok(())) => {}
+            Some(Err(e)) => return Err(Error::gpu(buffer.name, e)),
+            None => {
+                return Err(Error::DeviceLost {
+                    during: buffer.name.into(),
+                    reason: "a read-back never came".into(),
+                });
+            }
+        }
+        let view = staging.raw.get_mapped_range(0..size).map_err(|e| Error::gpu(buffer.name, e))?;
+        Ok(bytemuck::pod_collect_to_vec(&view[..bytes.min(buffer.size) as usize]))
+    }
+
+    /// Waits until everything submitted is done.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`] if the device is lost meanwhile.
+    pub fn wait(&self, during: &str) -> Result<()> {
+        self.device
+            .poll(wgpu::PollType::wait_indefinitely())
+            .map_err(|e| Error::DeviceLost { during: during.into(), reason: e.to_string() })?;
+        self.check(during)
+    }
+}

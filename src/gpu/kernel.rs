@@ -1,0 +1,298 @@
+//! Kernels: WGSL entry points whose bindings are found by name.
+//!
+//! A resource has one name everywhere: the buffer called `prisms` is bound wherever a shader declares `prisms`. Layouts come from
+//! naga's reflection of what the entry point uses, so that no binding number stands in Rust.
+
+use super::{Buffer, Gpu, shader};
+use crate::{Error, Result};
+use std::collections::BTreeMap;
+
+/// What a name can stand for.
+#[derive(Clone, Copy)]
+pub enum Resource<'a> {
+    /// A buffer, whole.
+    Buffer(&'a wgpu::Buffer),
+    /// A texture.
+    Texture(&'a wgpu::TextureView),
+}
+
+/// Resources by name.
+#[derive(Clone, Default)]
+pub struct Scope<'a>(BTreeMap<&'a str, Resource<'a>>);
+
+impl<'a> Scope<'a> {
+    /// The same scope with `buffers` added; later ones replace earlier ones of the same name.
+    pub fn with(&self, buffers: &[&'a Buffer]) -> Self {
+        let mut scope = self.clone();
+        for buffer in buffers {
+            scope.0.insert(buffer.name, Resource::Buffer(&buffer.raw));
+        }
+        scope
+    }
+
+    /// The same scope with a resource under a name.
+    pub fn and(&self, name: &'a str, resource: Resource<'a>) -> Self {
+        let mut scope = self.clone();
+        scope.0.insert(name, resource);
+        scope
+    }
+}
+
+/// A binding as the shader declares it.
+struct Binding {
+    name: String,
+    index: u32,
+    ty: wgpu::BindingType,
+    stages: wgpu::ShaderStages,
+}
+
+/// The bindings that one or more entry points of a module use.
+struct Interface {
+    stem: String,
+    bindings: Vec<Binding>,
+    layout: wgpu::BindGroupLayout,
+}
+
+impl Interface {
+    fn reflect(
+        gpu: &Gpu,
+        stem: &str,
+        module: &naga::Module,
+        info: &naga::valid::ModuleInfo,
+        entries: &[(&str, wgpu::ShaderStages)],
+    ) -> Result<Self> {
+        let mut bindings = Vec::new();
+        for (handle, variable) in module.global_variables.iter() {
+            let Some(place) = variable.binding else { continue };
+            let mut stages = wgpu::ShaderStages::NONE;
+            for (i, entry) in module.entry_points.iter().enumerate() {
+                let stage = entries.iter().find(|(name, _)| *name == entry.name);
+                if let Some((_, stage)) = stage.filter(|_| !info.get_entry_point(i)[handle].is_empty()) {
+                    stages |= *stage;
+                }
+            }
+            if stages.is_empty() {
+                continue;
+            }
+            bindings.push(Binding {
+                name: variable.name.clone().unwrap_or_default(),
+                index: place.binding,
+                ty: binding_type(stem, module, variable)?,
+                stages,
+            });
+        }
+        let storage = bindings
+            .iter()
+            .filter(|b| matches!(b.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { .. }, .. }))
+            .count();
+        if storage > gpu.limits.max_storage_buffers_per_shader_stage as usize {
+            return Err(Error::gpu(stem, format!("{entries:?} use {storage} storage buffers, the adapter has room for {}", gpu.limits.max_storage_buffers_per_shader_stage)));
+        }
+        let entries: Vec<wgpu::BindGroupLayoutEntry> = bindings
+            .iter()
+            .map(|b| wgpu::BindGroupLayoutEntry { binding: b.index, visibility: b.stages, ty: b.ty, count: None })
+            .collect();
+        let layout = gpu
+            .device
+            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stem), entries: &entries });
+        Ok(Self { stem: stem.into(), bindings, layout })
+    }
+
+    fn bind(&self, gpu: &Gpu, scope: &Scope<'_>) -> Result<wgpu::BindGroup> {
+        let mut entries = Vec::with_capacity(self.bindings.len());
+        for binding in &self.bindings {
+            let resource = scope.0.get(binding.name.as_str()).ok_or_else(|| {
+                let known: Vec<&&str> = scope.0.keys().collect();
+                Error::gpu(&self.stem, format!("nothing is bound to `{}`; in scope: {known:?}", binding.name))
+            })?;
+            let resource = match resource {
+                Resource::Buffer(buffer) => buffer.as_entire_binding(),
+                Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+            };
+            entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
+        }
+        Ok(gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some(&self.stem),
+            layout: &self.layout,
+            entries: &entries,
+        }))
+    }
+}
+
+fn binding_type(
+    stem: &str,
+    module: &naga::Module,
+    variable: &naga::GlobalVariable,
+) -> Result<wgpu::BindingType> {
+    use naga::{AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner};
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    Ok(match variable.space {
+        AddressSpace::Uniform => buffer(wgpu::BufferBindingType::Uniform),
+        AddressSpace::Storage { access } => buffer(wgpu::BufferBindingType::Storage {
+            read_only: !access.contains(StorageAccess::STORE),
+        }),
+        AddressSpace::Handle => match module.types[variable.ty].inner {
+            TypeInner::Image { class: ImageClass::Sampled { kind: ScalarKind::Uint, .. }, .. } => {
+                wgpu::BindingType::Texture {
+                    sample_type: wgpu::TextureSampleType::Uint,
+                    view_dimension: wgpu::TextureViewDimension::D2,
+                    multisampled: false,
+                }
+            }
+            ref other => return Err(Error::gpu(stem, format!("binding {:?} has an unsupported type {other:?}", variable.name))),
+        },
+        space => return Err(Error::gpu(stem, format!("binding {:?} lies in {space:?}", variable.name))),
+    })
+}
+
+/// Compiles a module, with naga's faults mapped to file and line.
+fn compile(
+    gpu: &Gpu,
+    stem: &str,
+) -> Result<(wgpu::ShaderModule, naga::Module, naga::valid::ModuleInfo)> {
+    let (resolved, module, info) = shader::validate(stem)?;
+    let compiled = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
+        label: Some(stem),
+        source: wgpu::ShaderSource::Wgsl(resolved.text.into()),
+    });
+    gpu.check(stem)?;
+    Ok((compiled, module, info))
+}
+
+/// A compute entry point.
+pub struct Kernel {
+    /// `stem.entry`.
+    pub label: String,
+    /// Stem of the pass.
+    pub stem: &'static str,
+    pub(super) pipeline: wgpu::ComputePipeline,
+    interface: Interface,
+}
+
+impl Kernel {
+    /// Compiles entry point `entry` of shader `stem`.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu, stem: &'static str, entry: &str) -> Result<Self> {
+        let (compiled, module, info) = compile(gpu, stem)?;
+        if !module.entry_points.iter().any(|e| e.name == entry) {
+            let known: Vec<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
+            return Err(Error::gpu(stem, format!("no entry point `{entry}`; there are {known:?}")));
+        }
+        let interface =
+            Interface::reflect(gpu, stem, &module, &info, &[(entry, wgpu::ShaderStages::COMPUTE)])?;
+        let label = format!("{stem}.{entry}");
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&interface.layout)],
+            immediate_size: 0,
+        });
+        let pipeline = gpu.device.create_compute_pipeline(&wgpu::ComputePipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            module: &compiled,
+            entry_point: Some(entry),
+            compilation_options: Default::default(),
+            cache: None,
+        });
+        gpu.check(stem)?;
+        Ok(Self { label, stem, pipeline, interface })
+    }
+
+    pub(super) fn bind(&self, gpu: &Gpu, scope: &Scope<'_>) -> Result<wgpu::BindGroup> {
+        self.interface.bind(gpu, scope)
+    }
+}
+
+/// What a raster kernel writes to.
+#[derive(Clone, Copy, PartialEq, Eq)]
+pub enum Target {
+    /// Triangle numbers with a depth test; both sides are seen.
+    TriangleIds,
+    /// Nothing but what the fragment stage stores; front faces only.
+    Records,
+}
+
+/// A vertex and a fragment entry point.
+pub struct RasterKernel {
+    /// `stem.vertex`.
+    pub label: String,
+    /// Stem of the pass.
+    pub stem: &'static str,
+    pub(super) pipeline: wgpu::RenderPipeline,
+    pub(super) target: Target,
+    interface: Interface,
+}
+
+/// Format of the triangle numbers.
+pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Format of the depth buffer.
+pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
+
+impl RasterKernel {
+    /// Compiles the entry points `vertex` and `fragment` of shader `stem`.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu, stem: &'static str, vertex: &str, target: Target) -> Result<Self> {
+        let (compiled, module, info) = compile(gpu, stem)?;
+        let interface = Interface::reflect(
+            gpu,
+            stem,
+            &module,
+            &info,
+            &[(vertex, wgpu::ShaderStages::VERTEX), ("fragment", wgpu::ShaderStages::FRAGMENT)],
+        )?;
+        let label = format!("{stem}.{vertex}");
+        let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some(&label),
+            bind_group_layouts: &[Some(&interface.layout)],
+            immediate_size: 0,
+        });
+        let ids = [Some(wgpu::ColorTargetState {
+            format: ID_FORMAT,
+            blend: None,
+            write_mask: wgpu::ColorWrites::ALL,
+        })];
+        let solid = target == Target::TriangleIds;
+        // Even a pass without a picture needs a target, for its size.
+        let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+            label: Some(&label),
+            layout: Some(&layout),
+            vertex: wgpu::VertexState {
+                module: &compiled,
+                entry_point: Some(vertex),
+                compilation_options: Default::default(),
+                buffers: &[],
+            },
+            fragment: Some(wgpu::FragmentState {
+                module: &compiled,
+                entry_point: Some("fragment"),
+                compilation_options: Default::default(),
+                targets: if solid { &ids } else { &[] },
+            }),
+            primitive: wgpu::PrimitiveState {
+                cull_mode: (!solid).then_some(wgpu::Face::Back),
+                ..Default::default()
+            },
+            depth_stencil: Some(wgpu::DepthStencilState {
+                format: DEPTH_FORMAT,
+                depth_write_enabled: Some(solid),
+                // Depth is reversed: nearer is greater.
+                depth_compare: Some(if solid { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
+                stencil: Default::default(),
+                bias: Default::default(),
+            }),
+            multisample: Default::default(),
+            multiview_mask: None,
+            cache: None,
+        });
+        gpu.check(stem)?;
+        Ok(Self { label, stem, pipeline, target, interface })
+    }
+
+    pub(super) fn bind(&self, gpu: &Gpu, scope: &Scope<'_>) -> Result<wgpu::BindGroup> {
+        self.interface.bind(gpu, scope)
+    }
+}

@@ -1,0 +1,90 @@
+//! Counted GPU memory.
+
+use std::collections::BTreeMap;
+use std::sync::{Arc, Mutex};
+
+/// Bytes of GPU memory alive now and at most, altogether and by the rows of Table 1.
+#[derive(Debug, Default)]
+pub struct Ledger(Mutex<Counts>);
+
+#[derive(Debug, Default)]
+struct Counts {
+    current: u64,
+    peak: u64,
+    current_by_step: BTreeMap<u32, u64>,
+    peak_by_step: BTreeMap<u32, u64>,
+}
+
+impl Ledger {
+    fn with<R>(&self, f: impl FnOnce(&mut Counts) -> R) -> R {
+        f(&mut self.0.lock().unwrap_or_else(std::sync::PoisonError::into_inner))
+    }
+
+    pub(super) fn add(&self, step: u32, bytes: u64) {
+        self.with(|c| {
+            c.current += bytes;
+            c.peak = c.peak.max(c.current);
+            let of_step = c.current_by_step.entry(step).or_default();
+            *of_step += bytes;
+            let now = *of_step;
+            let peak = c.peak_by_step.entry(step).or_default();
+            *peak = now.max(*peak);
+        });
+    }
+
+    pub(super) fn remove(&self, step: u32, bytes: u64) {
+        self.with(|c| {
+            c.current = c.current.saturating_sub(bytes);
+            if let Some(of_step) = c.current_by_step.get_mut(&step) {
+                *of_step = of_step.saturating_sub(bytes);
+            }
+        });
+    }
+
+    /// Bytes alive now.
+    pub fn current(&self) -> u64 {
+        self.with(|c| c.current)
+    }
+
+    /// Largest number of bytes alive at once.
+    pub fn peak(&self) -> u64 {
+        self.with(|c| c.peak)
+    }
+
+    /// Largest number of bytes alive at once for a row of Table 1.
+    pub fn peak_of_step(&self, step: u32) -> u64 {
+        self.with(|c| c.peak_by_step.get(&step).copied().unwrap_or(0))
+    }
+}
+
+/// A GPU buffer that is counted while it lives.
+pub struct Buffer {
+    /// The buffer.
+    pub raw: wgpu::Buffer,
+    /// Its name: that of the shader variable it is bound to.
+    pub name: &'static str,
+    /// Bytes.
+    pub size: u64,
+    step: u32,
+    ledger: Arc<Ledger>,
+}
+
+impl Buffer {
+    pub(super) fn new(
+        raw: wgpu::Buffer,
+        name: &'static str,
+        size: u64,
+        step: u32,
+        ledger: Arc<Ledger>,
+    ) -> Self {
+        ledger.add(step, size);
+        Self { raw, name, size, step, ledger }
+    }
+}
+
+impl Drop for Buffer {
+    fn drop(&mut self) {
+        self.ledger.remove(self.step, self.size);
+        self.raw.destroy();
+    }
+}

@@ -1,0 +1,191 @@
+//! Every struct that Rust and WGSL share, declared once; a test compares them with naga's reflection.
+//!
+//! Names and order of fields are those of the WGSL structs of the same name.
+
+use bytemuck::{Pod, Zeroable};
+
+macro_rules! shared {
+    ($($(#[$doc:meta])* struct $name:ident { $($field:ident: $ty:ty),* $(,)? })*) => {
+        $(
+            $(#[$doc])*
+            #[repr(C)]
+            #[derive(Debug, Clone, Copy, PartialEq, Pod, Zeroable)]
+            #[allow(missing_docs)]
+            pub struct $name { $(pub $field: $ty),* }
+
+            impl $name {
+                /// Field names with their offsets, to compare with WGSL.
+                pub const FIELDS: &'static [(&'static str, usize)] =
+                    &[$((stringify!($field), std::mem::offset_of!($name, $field))),*];
+            }
+        )*
+        /// All shared structs: name, size, fields.
+        pub const STRUCTS: &[(&str, usize, &[(&str, usize)])] =
+            &[$((stringify!($name), std::mem::size_of::<$name>(), $name::FIELDS)),*];
+    };
+}
+
+shared! {
+    /// `shared/frame.wgsl`
+    struct Frame {
+        eye: [f32; 3],
+        near: f32,
+        right: [f32; 3],
+        tan_x: f32,
+        up: [f32; 3],
+        tan_y: f32,
+        forward: [f32; 3],
+        seed: u32,
+        film_size: [f32; 2],
+        jitter: [f32; 2],
+        lens_shear: [f32; 2],
+        tile_origin: [i32; 2],
+        tile_size: [u32; 2],
+        flags: u32,
+        node_capacity: u32,
+    }
+    /// `shared/shell_types.wgsl`
+    struct ShellVertex {
+        position: [f32; 3],
+        height: f32,
+        normal: [f32; 3],
+        color: u32,
+    }
+    /// `shared/shell_types.wgsl`
+    struct Prism {
+        vertices: [u32; 3],
+        cell_base: u32,
+        neighbours: [u32; 3],
+        subdivision: u32,
+    }
+    /// `shared/undercoat_types.wgsl`
+    struct Fur {
+        layers: u32,
+        storage: u32,
+        noise_domain: u32,
+        seed: u32,
+        extinction: f32,
+        diameter_ratio: f32,
+        noise_frequency: f32,
+        noise_contrast: f32,
+        height_variation: f32,
+        height_frequency: f32,
+        uv_jitter: f32,
+        tangent_jitter: f32,
+        jitter_exponent: f32,
+        step: f32,
+        light_step: f32,
+        height: f32,
+        lean: [f32; 3],
+        diffuse: f32,
+        specular: f32,
+        specular_exponent: f32,
+        forward_scattering: f32,
+        isotropic: u32,
+        lattice: u32,
+        levels: u32,
+        light_reach: f32,
+        lights: u32,
+        columns: u32,
+        keys: u32,
+        opacity_cut: f32,
+        virtual_fragments: u32,
+        density: f32,
+        attenuation: f32,
+        key_lights: [u32; 2],
+        key_direction: [[f32; 4]; 2],
+        key_irradiance: [[f32; 4]; 2],
+    }
+    /// `shared/noise.wgsl`
+    struct Noise {
+        permutation: [[u32; 4]; 16],
+        gradients2: [[f32; 4]; 8],
+        gradients3: [[f32; 4]; 32],
+    }
+    /// `shared/groom_types.wgsl`
+    struct Parameter {
+        value: [f32; 4],
+        source: u32,
+        texel_base: u32,
+        size: [u32; 2],
+        offset: f32,
+        channel: u32,
+        padding: [u32; 2],
+    }
+    /// `shared/groom_types.wgsl`
+    struct Groom {
+        parameters: [Parameter; 16],
+        comb_direction: [f32; 3],
+        segments: u32,
+        diameter: [f32; 3],
+        widest: f32,
+        color_transition: [f32; 2],
+        color_variation: f32,
+        length_variation: f32,
+        gravity: f32,
+        spread: f32,
+        clump_density: f32,
+        curl_frequency: f32,
+        frizz_frequency: f32,
+        opacity: f32,
+        tip_fade: f32,
+        seed: u32,
+        root_darkening: [f32; 2],
+        paper: u32,
+        padding: u32,
+    }
+    /// `shared/lights.wgsl`
+    struct Light {
+        direction: [f32; 3],
+        undercoat: u32,
+        irradiance: [f32; 3],
+        padding: u32,
+    }
+    /// `shared/fibre.wgsl`
+    struct Fibre {
+        intensity: [f32; 3],
+        diffuse: f32,
+        shift: [f32; 3],
+        azimuth_tt: f32,
+        width: [f32; 3],
+        glint: f32,
+        glint_width: f32,
+        padding: [f32; 3],
+    }
+    /// `shared/column.wgsl`
+    struct Column {
+        corner: u32,
+        area: f32,
+        density: f32,
+        color_root: u32,
+        color_tip: u32,
+        color_base: u32,
+        blocked: [u32; 2],
+    }
+    /// `shared/root_types.wgsl`
+    struct Root {
+        prism: u32,
+        seed: u32,
+        lambda: [f32; 2],
+    }
+    /// `light_occlusion.wgsl`
+    struct BvhNode {
+        low: [f32; 3],
+        first: u32,
+        high: [f32; 3],
+        count: u32,
+    }
+    /// `film.wgsl`
+    struct Reconstruction {
+        origin: [i32; 2],
+        pixels: [u32; 2],
+        grid: u32,
+        reach: i32,
+        taps: u32,
+        planes: u32,
+        accumulate: u32,
+        scale: f32,
+        padding: [u32; 2],
+        weights: [[f32; 4]; 32],
+    }
+}

@@ -1,0 +1,88 @@
+//! Polygons to triangles.
+
+use glam::{DVec2, DVec3, Vec3};
+
+/// Beyond this many corners a polygon is cut as a fan, because ear clipping takes quadratic time.
+pub(super) const MAX_EAR_CORNERS: usize = 4096;
+
+/// How a polygon was cut.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Cut {
+    /// Convex: a fan around corner 0.
+    Fan,
+    /// Concave: ear clipping.
+    Ears,
+    /// Concave, but too large, or without an area of its own: a fan that may be wrong.
+    Guess,
+}
+
+/// Cuts the polygon with these corners into `corners.len() - 2` triangles of corner numbers, wound as the polygon.
+pub(super) fn triangulate(corners: &[Vec3], out: &mut Vec<[usize; 3]>) -> Cut {
+    out.clear();
+    let n = corners.len();
+    if n == 3 {
+        out.push([0, 1, 2]);
+        return Cut::Fan;
+    }
+    let (points, degenerate) = project(corners);
+    let reflex = |i: usize| turn(points[(i + n - 1) % n], points[i], points[(i + 1) % n]) < -1e-7;
+    let concave = (0..n).any(reflex);
+    if !concave || degenerate || n > MAX_EAR_CORNERS {
+        out.extend((1..n.saturating_sub(1)).map(|i| [0, i, i + 1]));
+        return if concave || degenerate { Cut::Guess } else { Cut::Fan };
+    }
+    clip_ears(&points, out);
+    Cut::Ears
+}
+
+/// The polygon in the plane of its Newell normal, counter-clockwise; true if it has no area there.
+fn project(corners: &[Vec3]) -> (Vec<DVec2>, bool) {
+    let points: Vec<DVec3> = corners.iter().map(|p| (p - corners[0]).as_dvec3()).collect();
+    let normal: DVec3 = (0..points.len()).map(|i| points[i].cross(points[(i + 1) % points.len()])).sum();
+    let size = points.iter().map(|p| p.length_squared()).fold(0.0, f64::max);
+    let Some(axis) = normal.try_normalize().filter(|_| normal.length() > 1e-12 * size) else {
+        return (points.iter().map(|p| p.truncate()).collect(), true);
+    };
+    let (u, v) = axis.any_orthonormal_pair();
+    // any_orthonormal_pair gives u x v = axis, so that the projection keeps the winding.
+    (points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v))).collect(), false)
+}
+
+/// Sine of the turn at b on the way a, b, c; positive to the left; 0 where points coincide.
+fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
+    let (d, e) = (b - a, c - b);
+    d.perp_dot(e) / (d.length() * e.length()).max(f64::MIN_POSITIVE)
+}
+
+fn clip_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) {
+    let mut left: Vec<usize> = (0..points.len()).collect();
+    let mut at = 0;
+    while left.len() > 3 {
+        let n = left.len();
+        let corner = |i: usize| [left[(i + n - 1) % n], left[i % n], left[(i + 1) % n]];
+        // Where no ear is left (the polygon crosses itself) the sharpest left turn is cut all the same.
+        let ear = (at..at + n).find(|i| is_ear(points, &left, corner(*i))).unwrap_or_else(|| {
+            let sharpness = |i: &usize| {
+                let [a, b, c] = corner(*i);
+                turn(points[a], points[b], points[c])
+            };
+            (at..at + n).max_by(|i, j| sharpness(i).total_cmp(&sharpness(j))).unwrap_or(at)
+        });
+        out.push(corner(ear));
+        left.remove(ear % n);
+        // Going on two corners further spreads the cuts, where always taking the next would make a fan of slivers.
+        at = (ear % n + 1) % (n - 1);
+    }
+    out.push([left[0], left[1], left[2]]);
+}
+
+fn is_ear(points: &[DVec2], left: &[usize], [a, b, c]: [usize; 3]) -> bool {
+    let (pa, pb, pc) = (points[a], points[b], points[c]);
+    if turn(pa, pb, pc) <= 1e-9 {
+        return false;
+    }
+    !left.iter().map(|i| points[*i]).any(|p| {
+        let outside = |q: DVec2, r: DVec2| (r - q).perp_dot(p - q) < 0.0;
+        p != pa && p != pb && p != pc && !outside(pa, pb) && !outside(pb, pc) && !outside(pc, pa)
+    })
+}

@@ -1,0 +1,39 @@
+//! Step 6: strands by tile.
+
+use crate::Result;
+use crate::gpu::{Gpu, Kernel, Recorder, Scope};
+
+/// Step 6: strands by tile.
+pub struct GuardBins {
+    count: Kernel,
+    fill: Kernel,
+}
+
+impl GuardBins {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            count: Kernel::new(gpu, "guard_bins", "count")?,
+            fill: Kernel::new(gpu, "guard_bins", "fill")?,
+        })
+    }
+
+    /// Counts into `bin_counts`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record_count(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, strands: u32) -> Result<()> {
+        recorder.dispatch(&self.count, scope, u64::from(strands))
+    }
+
+    /// Fills `bins` behind `bin_starts`; `bin_counts` must be zero again.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record_fill(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, strands: u32) -> Result<()> {
+        recorder.dispatch(&self.fill, scope, u64::from(strands))
+    }
+}

@@ -1,0 +1,29 @@
+//! Step 3: shading of the guard hairs at their vertices.
+
+use crate::Result;
+use crate::gpu::{Gpu, Kernel, Recorder, Scope};
+
+/// Step 3: shading of the guard hairs at their vertices.
+pub struct GuardShade {
+    main: Kernel,
+}
+
+impl GuardShade {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            main: Kernel::new(gpu, "guard_shade", "main")?,
+        })
+    }
+
+    /// Fills `shades` for `strands` strands.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, strands: u32) -> Result<()> {
+        recorder.dispatch(&self.main, scope, u64::from(strands))
+    }
+}

@@ -1,0 +1,29 @@
+//! Step 2: what the march looks up of the lights.
+
+use crate::Result;
+use crate::gpu::{Gpu, Kernel, Recorder, Scope};
+
+/// Step 2: what the march looks up of the lights.
+pub struct UndercoatSource {
+    main: Kernel,
+}
+
+impl UndercoatSource {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            main: Kernel::new(gpu, "undercoat_source", "main")?,
+        })
+    }
+
+    /// Fills `source` and `base_light`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, nodes: u64) -> Result<()> {
+        recorder.dispatch(&self.main, scope, nodes)
+    }
+}

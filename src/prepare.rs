@@ -1,0 +1,501 @@
+//! Steps 1 to 3: everything that does not depend on the tile: shell, volume, light and, where they fit, the strands.
+
+use crate::gpu::recorder::Timings;
+use crate::gpu::{Buffer, Gpu, Recorder, Scope};
+use crate::groom::{self, PackedGroom};
+use crate::layout::{BvhNode, Column, Frame, Fur, Root, ShellVertex};
+use crate::passes::Passes;
+use crate::passes::hair_roots::HairRoots;
+use crate::scene::Storage;
+use crate::skin::NONE;
+use crate::{Error, Result, Skin, World};
+use glam::Vec3;
+
+/// A skin with its fur on the GPU.
+pub struct Prepared<'g> {
+    /// The device.
+    pub gpu: &'g Gpu,
+    /// The kernels.
+    pub passes: Passes,
+    /// Undercoat and lattice parameters as uploaded.
+    pub fur: Fur,
+    /// Segments a strand.
+    pub segments: u32,
+    /// Triangles of the skin.
+    pub triangles: u32,
+    /// Border walls of the shell.
+    pub walls: u32,
+    /// Guard hairs.
+    pub strands: u64,
+    /// Subelements of the volume.
+    pub subelements: u64,
+    /// All strands, where they fit the budget.
+    pub resident: Option<Strands>,
+    /// Bytes that strands may take.
+    pub strand_budget: u64,
+    buffers: Vec<Buffer>,
+}
+
+/// Strands on the GPU.
+pub struct Strands {
+    /// How many.
+    pub count: u32,
+    buffers: Vec<Buffer>,
+}
+
+impl Strands {
+    /// `scope` with `batch`, `roots`, `strand_vertices` and `shades` added.
+    pub fn scope<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
+        scope.with(&self.buffers.iter().collect::<Vec<_>>())
+    }
+}
+
+/// Bytes of a strand on the GPU: root, vertices, shades.
+pub fn strand_bytes(segments: u32) -> u64 {
+    16 + (u64::from(segments) + 1) * 24
+}
+
+impl<'g> Prepared<'g> {
+    /// Runs steps 1 to 3 for the view of `frame`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
+    pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
+        let passes = Passes::new(gpu)?;
+        let PackedGroom { groom, texels, mut fur, fibre, noise, lights } = groom::pack(world)?;
+        let skin = &world.skin;
+        let triangles = skin.triangles.len() as u32;
+        let vertices = skin.positions.len() as u32;
+        let budget = world.scene.render.memory;
+
+        let mut made = vec![
+            gpu.uniform("frame", frame)?,
+            gpu.uniform("groom", &groom)?,
+            gpu.uniform("noise", &noise)?,
+            upload_lights(gpu, &lights)?,
+            gpu.uniform("fibre", &fibre)?,
+            gpu.upload("map_texels", 1, &texels)?,
+            gpu.upload("corner_uv", 1, &corner_uv(skin))?,
+            gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
+            gpu.storage("prisms", 1, u64::from(triangles) * 32)?,
+        ];
+        let has_coat = groom::has_undercoat(&world.scene);
+        let (subdivisions, cells) = subdivide(skin, world, has_coat);
+        let cell_bytes = cells * 4;
+        let room = gpu.binding_limit().min(budget * 2 / 5);
+        let stored = match world.scene.undercoat.storage {
+            Storage::Stored if cell_bytes > gpu.binding_limit() => {
+                return Err(Error::OutOfMemory { pass: "undercoat_density".into(), needed: cell_bytes });
+            }
+            Storage::Stored => true,
+            Storage::Auto => cell_bytes <= room,
+            Storage::Evaluated => false,
+        };
+        fur.storage = u32::from(stored);
+        let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit().min(budget / 5));
+        fur.lattice = lattice.edge;
+        fur.levels = lattice.levels;
+        fur.light_reach = lattice.reach;
+        let columns = lattice.columns(skin);
+        fur.columns = columns.len() as u32;
+        made.push(gpu.uniform("fur", &fur)?);
+
+        // Step 1
+        let neighbours = gpu.storage("neighbours", 1, u64::from(triangles) * 12)?;
+        {
+            let inputs = [
+                gpu.upload("triangles", 1, bytemuck::cast_slice::<[u32; 3], u32>(&skin.triangles))?,
+                gpu.upload("skin_vertices", 1, &skin_vertices(skin))?,
+                gpu.upload("vertex_uv", 1, &vertex_uv(skin))?,
+                gpu.upload("subdivisions", 1, &subdivisions)?,
+            ];
+            let scope = scope_of(&made).with(&inputs.iter().collect::<Vec<_>>()).with(&[&neighbours]);
+            let mut recorder = Recorder::new(gpu);
+            let _table = passes.edge_table.record(gpu, &mut recorder, &scope, 3 * triangles)?;
+            let _counts = passes.shell_prisms.record(gpu, &mut recorder, &scope, vertices, triangles)?;
+            recorder.submit(timings)?;
+        }
+        let border: Vec<[u32; 2]> = gpu
+            .read::<u32>(&neighbours, u64::from(triangles) * 12)?
+            .iter()
+            .enumerate()
+            .filter(|(_, n)| **n == NONE)
+            .map(|(edge, _)| [edge as u32 / 3, edge as u32 % 3])
+            .collect();
+        drop(neighbours);
+        let walls = border.len() as u32;
+        made.push(gpu.upload("border", 4, &border)?);
+
+        // Step 2
+        let nodes = u64::from(fur.columns) * u64::from(fur.levels + 1);
+        let pairs = (fur.lights + 2) / 2;
+        let mut recorder = Recorder::new(gpu);
+        let volume = if stored {
+            gpu.storage("cells", 2, cell_bytes)?
+        } else {
+            // The volume's buffer carries the uv instead.
+            gpu.upload("cells", 2, &corner_uv(skin))?
+        };
+        made.push(volume);
+        made.push(gpu.upload("columns", 2, &columns)?);
+        {
+            let scope = scope_of(&made);
+            let _counts = if stored && has_coat {
+                Some(passes.undercoat_density.record(gpu, &mut recorder, &scope, triangles, fur.layers)?)
+            } else {
+                None
+            };
+            passes.shell_lattice.record(&mut recorder, &scope, fur.columns)?;
+            recorder.submit(timings)?;
+        }
+
+        let strand_budget = budget * 3 / 10;
+        let mut prepared = Self {
+            gpu,
+            passes,
+            fur,
+            segments: groom.segments,
+            triangles,
+            walls,
+            strands: 0,
+            subelements: cells,
+            resident: None,
+            strand_budget,
+            buffers: made,
+        };
+        prepared.light(world, nodes, pairs, timings)?;
+        Ok(prepared)
+    }
+
+    /// Everything that later passes read, by name.
+    pub fn scope(&self) -> Scope<'_> {
+        scope_of(&self.buffers)
+    }
+
+    /// Guard hairs' roots, what they take from the light, the light, and their shading.
+    fn light(&mut self, world: &World, nodes: u64, pairs: u32, timings: &mut Timings) -> Result<()> {
+        let gpu = self.gpu;
+        let deposits = gpu.storage("deposits", 2, nodes * 4)?;
+        let extinction = gpu.storage("guard_extinction", 2, nodes * 4)?;
+        if groom::has_guard(&world.scene) {
+            let batches = self.root_batches(world, timings)?;
+            let single = batches.len() == 1;
+            for batch in &batches {
+                let strands = self.grow(batch, timings)?;
+                let mut recorder = Recorder::new(gpu);
+                let scope = strands.scope(&self.scope()).with(&[&deposits, &extinction]);
+                self.passes.guard_splat.record_deposit(&mut recorder, &scope, strands.count)?;
+                recorder.submit(timings)?;
+                if single {
+                    self.resident = Some(strands);
+                }
+            }
+        }
+        let mut recorder = Recorder::new(gpu);
+        let scope = self.scope().with(&[&deposits, &extinction]);
+        self.passes.guard_splat.record_normalise(&mut recorder, &scope, nodes)?;
+        recorder.submit(timings)?;
+        drop(deposits);
+
+        let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
+        let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
+        let tau = gpu.storage("tau", 2, nodes * u64::from(pairs) * 4)?;
+        let source = gpu.storage("source", 2, nodes * 16)?;
+        let base_light = gpu.storage("base_light", 2, u64::from(self.fur.columns) * 8)?;
+        {
+            let mut recorder = Recorder::new(gpu);
+            let scope =
+                self.scope().with(&[&extinction, &tau, &source, &base_light]).with(&tree.iter().collect::<Vec<_>>());
+            self.passes.light_occlusion.record(&mut recorder, &scope, self.fur.columns)?;
+            self.passes.undercoat_light.record(&mut recorder, &scope, nodes, pairs)?;
+            self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
+            recorder.submit(timings)?;
+        }
+        self.buffers.extend([tau, source, base_light, extinction]);
+        if let Some(strands) = &self.resident {
+            self.shade(strands, timings)?;
+        }
+        Ok(())
+    }
+
+    /// Counts the roots of all triangles and cuts them into ranges whose strands fit the budget.
+    fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
+        let gpu = self.gpu;
+        let density = world.scene.guard.density.max();
+        let seed = world.scene.render.seed;
+        let counts = gpu.storage("root_counts", 1, u64::from(self.triangles) * 4)?;
+        let batch = HairRoots::batch(gpu, 0, self.triangles, density, seed)?;
+        let mut recorder = Recorder::new(gpu);
+        self.passes.hair_roots.record_count(
+            &mut recorder,
+            &self.scope().with(&[&counts, &batch]),
+            self.triangles,
+        )?;
+        recorder.submit(timings)?;
+        let counts: Vec<u32> = gpu.read(&counts, u64::from(self.triangles) * 4)?;
+        self.strands = counts.iter().map(|c| u64::from(*c)).sum();
+        let vertex_limit = gpu.binding_limit() / (16 * (u64::from(self.segments) + 1));
+        let most = (self.strand_budget / strand_bytes(self.segments)).min(vertex_limit).max(1);
+        let mut batches: Vec<RootBatch> = Vec::new();
+        for (triangle, count) in counts.iter().enumerate() {
+            let fits = batches.last().is_some_and(|b| b.strands + u64::from(*count) <= most);
+            if !fits {
+                batches.push(RootBatch { first: triangle as u32, counts: Vec::new(), strands: 0, density, seed });
+            }
+            if let Some(last) = batches.last_mut() {
+                last.counts.push(*count);
+                last.strands += u64::from(*count);
+            }
+        }
+        if let Some(big) = batches.iter().find(|b| b.strands > most) {
+            return Err(Error::OutOfMemory {
+                pass: "guard_strands".into(),
+                needed: big.strands * strand_bytes(self.segments),
+            });
+        }
+        Ok(batches)
+    }
+
+    /// Makes the strands of a range of triangles.
+    pub fn grow(&self, batch: &RootBatch, timings: &mut Timings) -> Result<Strands> {
+        let gpu = self.gpu;
+        let triangles = batch.counts.len() as u32;
+        let first_roots: Vec<u32> = batch
+            .counts
+            .iter()
+            .scan(0, |sum, c| {
+                let first = *sum;
+                *sum += c;
+                Some(first)
+            })
+            .collect();
+        let count = batch.strands as u32;
+        let roots = gpu.storage("roots", 3, u64::from(count) * std::mem::size_of::<Root>() as u64)?;
+        {
+            let range = HairRoots::batch(gpu, batch.first, triangles, batch.density, batch.seed)?;
+            let firsts = gpu.upload("first_roots", 1, &first_roots)?;
+            let mut recorder = Recorder::new(gpu);
+            let scope = self.scope().with(&[&range, &firsts, &roots]);
+            self.passes.hair_roots.record_emit(&mut recorder, &scope, triangles)?;
+            recorder.submit(timings)?;
+        }
+        self.grow_from(roots, count, timings)
+    }
+
+    /// Makes the strands of `count` roots.
+    pub fn grow_from(&self, roots: Buffer, count: u32, timings: &mut Timings) -> Result<Strands> {
+        let gpu = self.gpu;
+        let vertices = u64::from(count) * (u64::from(self.segments) + 1);
+        let batch = gpu.uniform("batch", &[count, 0, 0, 0])?;
+        let strand_vertices = gpu.storage("strand_vertices", 3, vertices * 16)?;
+        let shades = gpu.storage("shades", 3, vertices * 8)?;
+        let strands = Strands { count, buffers: vec![batch, roots, strand_vertices, shades] };
+        let mut recorder = Recorder::new(gpu);
+        self.passes.guard_strands.record(&mut recorder, &strands.scope(&self.scope()), count)?;
+        recorder.submit(timings)?;
+        Ok(strands)
+    }
+
+    /// Shades strands from the finished light.
+    pub fn shade(&self, strands: &Strands, timings: &mut Timings) -> Result<()> {
+        let mut recorder = Recorder::new(self.gpu);
+        self.passes.guard_shade.record(&mut recorder, &strands.scope(&self.scope()), strands.count)?;
+        recorder.submit(timings)
+    }
+}
+
+/// A range of triangles and the number of roots of each.
+pub struct RootBatch {
+    /// First triangle.
+    pub first: u32,
+    /// Roots of each triangle.
+    pub counts: Vec<u32>,
+    /// Their sum.
+    pub strands: u64,
+    density: f32,
+    seed: u32,
+}
+
+fn scope_of(buffers: &[Buffer]) -> Scope<'_> {
+    Scope::default().with(&buffers.iter().collect::<Vec<_>>())
+}
+
+fn upload_lights(gpu: &Gpu, lights: &[crate::layout::Light]) -> Result<Buffer> {
+    let mut all = [<crate::layout::Light as bytemuck::Zeroable>::zeroed(); groom::MAX_LIGHTS];
+    all[..lights.len()].copy_from_slice(lights);
+    gpu.uniform("lights", &all)
+}
+
+fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
+    match &skin.corner_uv {
+        Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),
+        None => vec![[0.0; 2]; 3 * skin.triangles.len()],
+    }
+}
+
+/// uv of any corner at each vertex.
+fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
+    let mut of_vertex = vec![[0.0; 2]; skin.positions.len()];
+    if let Some(uv) = &skin.corner_uv {
+        for (triangle, uv) in skin.triangles.iter().zip(uv) {
+            for k in 0..3 {
+                of_vertex[triangle[k] as usize] = uv[k].to_array();
+            }
+        }
+    }
+    of_vertex
+}
+
+fn skin_vertices(skin: &Skin) -> Vec<ShellVertex> {
+    (0..skin.positions.len())
+        .map(|i| {
+            let c = skin.colors.get(i).copied().unwrap_or(Vec3::ONE);
+            let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+            ShellVertex {
+                position: skin.positions[i].into(),
+                height: 0.0,
+                normal: skin.normals[i].into(),
+                color: r | (g << 8) | (b << 16) | (255 << 24),
+            }
+        })
+        .collect()
+}
+
+/// Level d and first subelement of each prism, and the number of subelements.
+///
+/// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
+/// nothing pops. [Andersen2016] sec. 3 calls this dynamic resolution and does not state its criterion.
+pub fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
+    let coat = &world.scene.undercoat;
+    let layers = u64::from(coat.layers);
+    let mut base = 0u64;
+    let of_triangle = (0..skin.triangles.len())
+        .map(|t| {
+            let [a, b, c] = skin.corners(t);
+            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
+            let wanted = (longest / coat.cell.max(1e-4)).max(1.0).log2().ceil() as u32;
+            let d = coat.subdivision.unwrap_or(wanted.min(6));
+            let first = base;
+            if has_coat {
+                base += layers << (2 * d);
+            }
+            // Past 32 bits the volume is evaluated, and the number is only a label.
+            [d, first as u32]
+        })
+        .collect();
+    (of_triangle, base)
+}
+
+/// Size of the light lattice.
+struct Lattice {
+    edge: u32,
+    levels: u32,
+    reach: f32,
+}
+
+impl Lattice {
+    /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
+    fn plan(skin: &Skin, world: &World, fur: &Fur, room: u64) -> Self {
+        /// Wanted distance of columns, cm.
+        const SPACING: f32 = 0.12;
+        /// Wanted distance of levels in mean free paths of the undercoat.
+        const LEVEL_PATHS: f32 = 2.5;
+        let guard = &world.scene.guard;
+        let reach = if groom::has_guard(&world.scene) {
+            (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
+        } else {
+            1.0
+        };
+        let mean_area = (skin.area() / skin.triangles.len().max(1) as f64) as f32;
+        let mean_edge = (mean_area * 2.309).sqrt();
+        let path = if fur.extinction > 0.0 { 1.0 / fur.extinction } else { fur.height / 4.0 };
+        let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
+        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(6, 20);
+        let bytes = |edge: u32, levels: u32| {
+            let columns = if edge == 1 {
+                skin.positions.len() as u64
+            } else {
+                skin.triangles.len() as u64 * u64::from((edge + 1) * (edge + 2) / 2)
+            };
+            columns * u64::from(levels + 1) * u64::from((fur.lights + 2) / 2).max(4) * 4
+        };
+        while bytes(edge, levels) > room && edge > 1 {
+            edge -= 1;
+        }
+        while bytes(edge, levels) > room && levels > 4 {
+            levels -= 1;
+        }
+        Self { edge, levels, reach }
+    }
+
+    /// The columns: where they stand and their share of the skin's area.
+    fn columns(&self, skin: &Skin) -> Vec<Column> {
+        let blank = <Column as bytemuck::Zeroable>::zeroed();
+        if self.edge == 1 {
+            let mut columns = vec![blank; skin.positions.len()];
+            for (t, triangle) in skin.triangles.iter().enumerate() {
+                for (k, v) in triangle.iter().enumerate() {
+                    let column = &mut columns[*v as usize];
+                    column.corner = (3 * t + k) as u32;
+                    column.area += skin.triangle_area(t) / 3.0;
+                }
+            }
+            return columns;
+        }
+        let n = self.edge as usize;
+        let of_triangle = (n + 1) * (n + 2) / 2;
+        let at = |i: usize, j: usize| j * (n + 1) - (j * j - j.min(j * j)) / 2 + i;
+        let mut columns = vec![blank; skin.triangles.len() * of_triangle];
+        for t in 0..skin.triangles.len() {
+            let share = skin.triangle_area(t) / (n * n) as f32 / 3.0;
+            let mut add = |i: usize, j: usize| columns[t * of_triangle + at(i, j)].area += share;
+            for j in 0..n {
+                for i in 0..n - j {
+                    for (i, j) in [(i, j), (i + 1, j), (i, j + 1)] {
+                        add(i, j);
+                    }
+                    if i + j + 2 <= n {
+                        for (i, j) in [(i + 1, j + 1), (i, j + 1), (i + 1, j)] {
+                            add(i, j);
+                        }
+                    }
+                }
+            }
+        }
+        columns
+    }
+}
+
+/// A BVH over the skin's triangles as the shader reads it, built by obvhs.
+fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
+    use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
+    let triangles: Vec<Triangle> = (0..skin.triangles.len())
+        .map(|t| {
+            let [v0, v1, v2] = skin.corners(t).map(|p| glam::Vec3A::from(p));
+            Triangle { v0, v1, v2 }
+        })
+        .collect();
+    // Coincident triangles make the builder recurse deeply.
+    let built = std::thread::scope(|scope| {
+        std::thread::Builder::new()
+            .stack_size(256 << 20)
+            .spawn_scoped(scope, || {
+                build_bvh2_from_tris(&triangles, BvhBuildParams::fast_build(), &mut Default::default())
+            })
+            .map(std::thread::ScopedJoinHandle::join)
+    });
+    let Ok(Ok(tree)) = built else {
+        return (vec![<BvhNode as bytemuck::Zeroable>::zeroed()], vec![0]);
+    };
+    let nodes = tree
+        .nodes
+        .iter()
+        .map(|node| BvhNode {
+            low: node.aabb().min.into(),
+            first: node.first_index,
+            high: node.aabb().max.into(),
+            count: node.prim_count,
+        })
+        .collect();
+    (nodes, tree.primitive_indices)
+}

@@ -1,0 +1,146 @@
+//! What comes out: film, sampling, blending, budget.
+
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+
+/// Image size, sampling, output.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct FilmSpec {
+    /// Pixels.
+    #[schemars(range(min = 1, max = 32768))]
+    pub width: u32,
+    /// Pixels.
+    #[schemars(range(min = 1, max = 32768))]
+    pub height: u32,
+    /// Samples a pixel.
+    #[schemars(range(min = 1, max = 65536))]
+    pub spp: u32,
+    /// Reconstruction filter.
+    pub filter: Filter,
+    /// Filter radius, pixels; not given: the filter's usual one.
+    #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 16))]
+    pub filter_radius: Option<f32>,
+    /// What is seen behind the fur.
+    pub background: Background,
+    /// Background colour, linear RGB.
+    #[schemars(inner(range(min = 0.0)))]
+    pub background_color: [f32; 3],
+    /// Background plate (PNG, HDR or EXR), scaled to cover the film.
+    pub plate: String,
+    /// Exposure, stops.
+    #[schemars(range(min = -32.0, max = 32.0))]
+    pub exposure: f32,
+    /// Tone mapping of PNG output.
+    pub tonemap: Tonemap,
+}
+
+/// Reconstruction filters.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Filter {
+    /// Box, radius 0.5.
+    Box,
+    /// Triangle, radius 1.
+    Triangle,
+    /// Gaussian, radius 1.5, sigma 0.5.
+    #[default]
+    Gaussian,
+    /// Mitchell-Netravali, radius 2.
+    Mitchell,
+}
+
+/// What is seen behind the fur.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Background {
+    /// Nothing: alpha stays.
+    Transparent,
+    /// A colour.
+    #[default]
+    Color,
+    /// The plate.
+    Plate,
+    /// The environment map.
+    Environment,
+}
+
+/// Tone mapping of PNG output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Tonemap {
+    /// Exposure and sRGB only.
+    None,
+    /// Khronos PBR neutral.
+    #[default]
+    Neutral,
+    /// AgX.
+    Agx,
+    /// ACES (Narkowicz's fit).
+    Aces,
+}
+
+/// What is rendered and how.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct RenderSpec {
+    /// Which layers.
+    pub fur: Fur,
+    /// How undercoat and guard hairs are blended.
+    pub blend: Blend,
+    /// Virtual fragments a ray, for `blend = "virtual"`.
+    #[schemars(range(min = 1, max = 4096))]
+    pub virtual_fragments: u32,
+    /// Attenuation parameter a of Andersen et al. 2016, eq. (4), 1/cm, for `blend = "simplified"`.
+    #[schemars(range(min = 0.0))]
+    pub simplified_attenuation: f32,
+    /// Light model.
+    pub shading: Shading,
+    /// Seed of everything random.
+    pub seed: u32,
+    /// Edge of a tile in samples; not given: chosen from the memory budget.
+    #[schemars(range(min = 8, max = 32768))]
+    pub tile: Option<u32>,
+    /// GPU memory budget, bytes.
+    #[schemars(range(min = 16_777_216))]
+    pub memory: u64,
+}
+
+/// Which layers are rendered.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Fur {
+    /// The skin alone.
+    Base,
+    /// Skin and guard hairs.
+    Explicit,
+    /// Skin and undercoat.
+    Implicit,
+    /// All.
+    #[default]
+    Hybrid,
+}
+
+/// How undercoat and guard hairs are blended.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum Blend {
+    /// Andersen et al. 2016, eq. (4).
+    Simplified,
+    /// Virtual fragments.
+    Virtual,
+    /// Marching between the sorted fragments.
+    #[default]
+    Exact,
+}
+
+/// Light model.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Shading {
+    /// Undercoat and guard hairs shadow themselves and each other.
+    #[default]
+    Physical,
+    /// As in the paper: exponential root darkening, no environment light on the undercoat.
+    Paper,
+}

@@ -1,0 +1,166 @@
+//! The command line where everything goes well.
+
+mod common;
+
+use common::{Folder, command, pelage};
+use serde_json::Value;
+
+fn json(text: &str) -> Value {
+    serde_json::from_str(text).unwrap_or_else(|e| panic!("{e} in {text}"))
+}
+
+/// A small PNG with one colour.
+fn picture(folder: &Folder, name: &str, rgb: [u8; 3]) -> String {
+    let path = folder.at(name);
+    image::RgbImage::from_pixel(32, 16, image::Rgb(rgb)).save(&path).unwrap();
+    path
+}
+
+#[test]
+fn help_and_version_are_no_errors() {
+    for args in [&["--help"][..], &["--version"], &["render", "--help"], &["help", "check"]] {
+        let run = pelage(args).expect(0, &[]);
+        assert!(!run.out.is_empty() && run.err.is_empty(), "{run:?}");
+    }
+    assert!(pelage(&["--version"]).out.contains(env!("CARGO_PKG_VERSION")));
+}
+
+#[test]
+fn every_subcommand_is_there() {
+    let help = pelage(&["--help"]).out;
+    for name in ["render", "check", "schema", "devices", "export", "compare", "bench", "figure"] {
+        assert!(help.contains(&format!("  {name} ")), "{name} is not in\n{help}");
+        pelage(&[name, "--help"]).expect(0, &[]);
+    }
+}
+
+#[test]
+fn the_schema_is_json() {
+    let schema = json(&pelage(&["schema"]).expect(0, &[]).out);
+    assert_eq!(schema["type"], "object");
+    assert_eq!(schema["$defs"]["Camera"]["properties"]["fov"]["exclusiveMaximum"], 180);
+    for table in ["mesh", "camera", "lights", "environment", "base", "guard", "undercoat", "film", "render"] {
+        assert!(schema["properties"][table].is_object(), "{table}");
+    }
+}
+
+#[test]
+fn check_prints_the_resolved_scene() {
+    let text = pelage(&["check", "scenes/default.toml", "-D", "camera.fov=31"]).expect(0, &[]).out;
+    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# together"] {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    // What it prints is a scene file.
+    let folder = Folder::new();
+    let resolved = folder.write("resolved.toml", &text);
+    let again = pelage(&["check", &resolved]).expect(0, &[]).out;
+    assert_eq!(again, text);
+}
+
+#[test]
+fn check_prints_json() {
+    let args = ["check", "scenes/default.toml", "--json", "--spp", "7", "--fur", "base", "--size", "20x10"];
+    let value = json(&pelage(&args).expect(0, &[]).out);
+    assert_eq!(value["scene"]["film"]["spp"], 7);
+    assert_eq!(value["scene"]["film"]["width"], 20);
+    assert_eq!(value["scene"]["film"]["height"], 10);
+    assert_eq!(value["counts"]["strands"], 0, "the base has no hairs");
+    assert!(value["bytes"]["budget"].is_u64());
+    assert!(value["notes"].is_array());
+}
+
+#[test]
+fn flags_set_the_scene() {
+    let args = [
+        "check",
+        "scenes/default.toml",
+        "--json",
+        "--seed",
+        "9",
+        "--blend",
+        "virtual",
+        "--virtual-fragments",
+        "12",
+        "--memory",
+        "512MiB",
+        "--tile",
+        "64",
+        "--tonemap",
+        "agx",
+        "--exposure",
+        "-1.5",
+        "--strict",
+    ];
+    let scene = &json(&pelage(&args).expect(0, &[]).out)["scene"];
+    assert_eq!(scene["render"]["seed"], 9);
+    assert_eq!(scene["render"]["blend"], "virtual");
+    assert_eq!(scene["render"]["virtual_fragments"], 12);
+    assert_eq!(scene["render"]["memory"], 512 << 20);
+    assert_eq!(scene["render"]["tile"], 64);
+    assert_eq!(scene["film"]["tonemap"], "agx");
+    assert_eq!(scene["film"]["exposure"], -1.5);
+    assert_eq!(scene["mesh"]["strict"], true);
+}
+
+#[test]
+fn a_mesh_named_on_the_command_line_is_found_from_where_one_is() {
+    let folder = Folder::new();
+    folder.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let scene = common::root().join("scenes/default.toml");
+    let mut run = command();
+    run.current_dir(folder.path()).arg("check").arg(scene).args(["-D", "mesh.path=tri.obj", "--json"]);
+    let run: common::Run = run.output().unwrap().into();
+    let value = json(&run.expect(0, &[]).out);
+    assert_eq!(value["scene"]["mesh"]["path"], "tri.obj");
+    assert_eq!(value["scene"]["mesh"]["shape"], Value::Null);
+}
+
+#[test]
+fn assets_are_found_through_the_environment() {
+    let (scenes, assets) = (Folder::new(), Folder::new());
+    assets.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let scene = scenes.write("s.toml", "[mesh]\npath = \"tri.obj\"\n");
+    pelage(&["check", &scene]).expect(3, &["mesh.path", "PELAGE_ASSETS (not set)"]);
+    let run: common::Run =
+        command().args(["check", &scene]).env("PELAGE_ASSETS", assets.path()).output().unwrap().into();
+    run.expect(0, &[]);
+}
+
+#[test]
+fn compare_prints_metrics_and_passes_equal_images() {
+    let folder = Folder::new();
+    let a = picture(&folder, "a.png", [100, 120, 140]);
+    let text =
+        pelage(&["compare", &a, &a, "--threshold-rmse", "0", "--threshold-flip", "0"]).expect(0, &[]).out;
+    for name in ["RMSE", "relative MSE", "PSNR", "FLIP"] {
+        assert!(text.contains(name), "{text}");
+    }
+    let value = json(&pelage(&["compare", &a, &a, "--json"]).expect(0, &[]).out);
+    assert_eq!(value["rmse"], 0.0);
+    assert_eq!(value["psnr"], Value::Null, "infinite");
+}
+
+#[test]
+fn compare_fails_past_a_threshold_and_still_writes_the_error_image() {
+    let folder = Folder::new();
+    let (a, b) = (picture(&folder, "a.png", [100, 120, 140]), picture(&folder, "b.png", [120, 120, 140]));
+    pelage(&["compare", &a, &b]).expect(0, &[]);
+    for flag in ["--threshold-rmse", "--threshold-flip"] {
+        pelage(&["compare", &a, &b, flag, "0.001"]).expect(1, &["more than 0.001"]);
+        pelage(&["compare", &a, &b, flag, "1"]).expect(0, &[]);
+    }
+    let error = folder.at("error.png");
+    pelage(&["compare", &a, &b, "-o", &error, "--threshold-rmse", "0"]).expect(1, &["RMSE"]);
+    assert_eq!(image::open(&error).unwrap().to_rgb8().dimensions(), (32, 16));
+    assert_eq!(folder.names(), ["a.png", "b.png", "error.png"]);
+}
+
+#[test]
+fn a_reader_that_goes_away_is_no_error() {
+    use std::process::Stdio;
+    let mut child = command().arg("schema").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
+    drop(child.stdout.take());
+    let run: common::Run = child.wait_with_output().unwrap().into();
+    let run = run.expect(0, &[]);
+    assert!(run.err.is_empty(), "{}", run.err);
+}

@@ -1,0 +1,109 @@
+//! Runs the real command and looks at what it leaves behind.
+
+#![allow(dead_code)] // Every test file uses a part of this.
+
+use std::{
+    path::{Path, PathBuf},
+    process::{Command, Output},
+};
+
+/// What a command did.
+#[derive(Debug)]
+pub struct Run {
+    /// Exit code; -1 where a signal ended it.
+    pub code: i32,
+    /// Standard output.
+    pub out: String,
+    /// Standard error.
+    pub err: String,
+}
+
+impl From<Output> for Run {
+    fn from(output: Output) -> Self {
+        Self {
+            code: output.status.code().unwrap_or(-1),
+            out: String::from_utf8_lossy(&output.stdout).into_owned(),
+            err: String::from_utf8_lossy(&output.stderr).into_owned(),
+        }
+    }
+}
+
+impl Run {
+    /// Asserts the exit code and that stderr holds every one of `parts`.
+    pub fn expect(self, code: i32, parts: &[&str]) -> Self {
+        assert_eq!(self.code, code, "exit code\nstdout: {}\nstderr: {}", self.out, self.err);
+        for part in parts {
+            assert!(self.err.contains(part), "no {part:?} in stderr:\n{}", self.err);
+        }
+        self
+    }
+}
+
+/// The command, in the repository's root, without the variables that change what it does.
+pub fn command() -> Command {
+    let mut command = Command::new(env!("CARGO_BIN_EXE_pelage"));
+    command.current_dir(root()).env_remove("PELAGE_ASSETS").env_remove("RUST_LOG");
+    command
+}
+
+/// Runs the command to its end.
+pub fn pelage<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
+    command().args(args).output().expect("the command starts").into()
+}
+
+/// Runs the command where no adapter can be found.
+pub fn pelage_without_adapter<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
+    let backend = if cfg!(target_vendor = "apple") { "vulkan" } else { "metal" };
+    let mut command = command();
+    command.env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args);
+    command.output().expect("the command starts").into()
+}
+
+/// The repository.
+pub fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+/// The folder of downloaded assets; `None`, with a note, where PELAGE_ASSETS is not set.
+pub fn assets() -> Option<PathBuf> {
+    let folder = std::env::var_os("PELAGE_ASSETS").map(PathBuf::from);
+    if folder.is_none() {
+        eprintln!("note: skipped, PELAGE_ASSETS is not set");
+    }
+    folder
+}
+
+/// A folder that goes away at the end of the test.
+pub struct Folder(tempfile::TempDir);
+
+impl Folder {
+    /// An empty folder.
+    pub fn new() -> Self {
+        Self(tempfile::tempdir().expect("a temporary folder"))
+    }
+
+    /// The folder.
+    pub fn path(&self) -> &Path {
+        self.0.path()
+    }
+
+    /// A path in it, as text.
+    pub fn at(&self, name: &str) -> String {
+        self.path().join(name).display().to_string()
+    }
+
+    /// Writes a file into it and returns its path.
+    pub fn write(&self, name: &str, content: impl AsRef<[u8]>) -> String {
+        std::fs::write(self.path().join(name), content).expect("a file in the temporary folder");
+        self.at(name)
+    }
+
+    /// The names of what is in it, sorted, hidden files included.
+    pub fn names(&self) -> Vec<String> {
+        let entries = std::fs::read_dir(self.path()).expect("the temporary folder");
+        let mut names: Vec<_> =
+            entries.filter_map(|e| Some(e.ok()?.file_name().to_string_lossy().into_owned())).collect();
+        names.sort();
+        names
+    }
+}

@@ -1,0 +1,37 @@
+//! The structs of `layout.rs` lie in memory as WGSL lays them out.
+
+use pelage::gpu::shader;
+use std::collections::BTreeMap;
+
+/// Name -> (size, fields) as naga lays the structs of all shaders out.
+fn wgsl_structs() -> BTreeMap<String, (u32, Vec<(String, u32)>)> {
+    let mut found = BTreeMap::new();
+    for (name, _) in shader::SOURCES.iter().filter(|(name, _)| !name.starts_with("shared/")) {
+        let (_, module, _) = shader::validate(name).unwrap();
+        for (_, ty) in module.types.iter() {
+            if let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) {
+                let fields =
+                    members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
+                found.insert(name.clone(), (*span, fields));
+            }
+        }
+    }
+    found
+}
+
+#[test]
+fn structs_agree_with_wgsl() {
+    let wgsl = wgsl_structs();
+    for (name, size, fields) in pelage::layout::STRUCTS {
+        let (span, members) = wgsl.get(*name).unwrap_or_else(|| panic!("no WGSL struct {name}"));
+        let rust: Vec<(String, u32)> = fields
+            .iter()
+            .filter(|(f, _)| *f != "padding")
+            .map(|(f, o)| ((*f).to_owned(), *o as u32))
+            .collect();
+        let members: Vec<(String, u32)> =
+            members.iter().filter(|(f, _)| f != "padding").cloned().collect();
+        assert_eq!(rust, members, "{name}");
+        assert_eq!(*size as u32, *span, "size of {name}");
+    }
+}
