@@ -65,10 +65,8 @@ impl Gpu {
             }
         }));
         let seen = faults.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            if let Ok(mut faults) = seen.lock()
-                && !matches!(reason, wgpu::DeviceLostReason::Destroyed)
-            {
+        device.set_device_lost_callback(move |_, message| {
+            if let Ok(mut faults) = seen.lock() {
                 faults.lost = Some(message);
             }
         });
