@@ -5,6 +5,7 @@ pub mod camera;
 pub mod cli;
 pub mod compare;
 pub mod error;
+pub mod files;
 pub mod film;
 pub mod gpu;
 pub mod groom;

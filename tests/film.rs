@@ -172,7 +172,7 @@ fn a_failed_write_keeps_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     std::fs::write(&path, "old").unwrap();
-    let failing = io::write_atomically(&path, |file| {
+    let failing = pelage::files::write_atomically(&path, |file| {
         std::io::Write::write_all(file, b"half of the new one")?;
         Err("no space left".into())
     });

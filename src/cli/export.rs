@@ -5,7 +5,7 @@ use super::{
     args::SceneArgs,
     output::{self, count},
 };
-use crate::{Result, World, film::io, mesh, render};
+use crate::{Result, World, files, mesh, render};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -24,7 +24,7 @@ pub(super) struct ExportArgs {
 
 pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    args.strands.iter().chain(&args.mesh).try_for_each(|path| io::check_target(path))?;
+    args.strands.iter().chain(&args.mesh).try_for_each(|path| files::check_target(path))?;
     let world = World::load(scene, &assets)?;
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {

@@ -8,7 +8,7 @@ use super::{
     progress::Display,
 };
 use crate::{
-    Error, Result, Scene, World,
+    Error, Result, Scene, World, files,
     film::{Metadata, composite, depth_of_field, io},
     render::{self, RenderOptions},
     stats::Stats,
@@ -43,7 +43,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
         return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
     }
     let (scene, assets) = args.scene.load()?;
-    args.outfile.iter().chain(&args.stats).try_for_each(|path| io::check_target(path))?;
+    args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(path))?;
     let cancel = interrupt::listen()?;
     let world = World::load(scene, &assets)?;
     if !global.quiet {

@@ -58,7 +58,7 @@ impl Backdrop {
                     ));
                 }
                 let path = assets.find(&scene.film.plate)?;
-                let film = io::read(&path).map_err(as_scene_fault)?;
+                let film = io::read_asset(&path)?;
                 let pixels = film.premultiplied()?;
                 if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
                     let (x, y) = (i % film.width as usize, i / film.width as usize);
@@ -158,14 +158,6 @@ impl Backdrop {
 /// As those two.
 pub fn over_background(film: &mut Film, scene: &Scene, assets: &Assets) -> Result<()> {
     Backdrop::load(scene, assets)?.under(film)
-}
-
-/// A damaged asset is a fault of the scene that names it.
-pub(crate) fn as_scene_fault(error: Error) -> Error {
-    match error {
-        Error::Io { path, reason } => Error::fault(path, reason),
-        other => other,
-    }
 }
 
 /// The camera's axes in world space.

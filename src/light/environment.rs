@@ -6,7 +6,7 @@
 use super::Light;
 use crate::{
     Error, Result,
-    film::{Film, composite::as_scene_fault, io, tonemap::luminance},
+    film::{Film, io, tonemap::luminance},
 };
 use glam::{DVec3, Quat, Vec3};
 use std::{f64::consts::PI, path::Path};
@@ -34,7 +34,7 @@ impl Panorama {
     /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds values that are not
     /// finite; [`Error::Usage`] for an unknown extension.
     pub fn load(path: &Path) -> Result<Self> {
-        let film = io::read(path).map_err(as_scene_fault)?;
+        let film = io::read_asset(path)?;
         Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
     }
 
