@@ -38,7 +38,7 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
 
 // In-scattered radiance per albedo-weighted extinction at the place.
 fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f {
-    let cell = lattice_cell((*place).prism, (*place).vertices, (*place).lambda, (*place).t);
+    let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
     var tau = vec2f(0.0);
     var albedo = vec3f(0.0);

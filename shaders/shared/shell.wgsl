@@ -16,6 +16,7 @@ struct Place {
     v0: vec3f, w1: vec3f, w2: vec3f,   // extrusion at corner 0 and its differences
     vertices: vec3u,
     neighbours: vec3u,
+    edges: vec3u,
     cell_base: u32,
     subdivision: u32,
 }
@@ -34,6 +35,7 @@ fn enter_prism(place: ptr<function, Place>, index: u32) {
     (*place).w2 = c.normal * c.height - (*place).v0;
     (*place).vertices = prism.vertices;
     (*place).neighbours = prism.neighbours;
+    (*place).edges = prism.edges;
     (*place).cell_base = prism.cell_base;
     (*place).subdivision = prism.subdivision;
 }

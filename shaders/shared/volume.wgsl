@@ -20,5 +20,6 @@ fn medium_at(place: ptr<function, Place>) -> Medium {
     if fur.storage == 1u {
         return unpack_medium(cells[volume_index(place, layer, id)]);
     }
-    return subelement_medium(place, layer, id);
+    // As it would be stored, so that the image does not depend on it.
+    return unpack_medium(pack_medium(subelement_medium(place, layer, id)));
 }
