@@ -1,8 +1,8 @@
 //! The guard hairs of a scene as they are rendered, for other programs.
 
 use super::plan::SamplePlan;
-use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;
+use crate::gpu::recorder::Timings;
 use crate::hair::HairFile;
 use crate::prepare::{Prepared, Strands};
 use crate::{Error, Result, World, camera, groom};
@@ -45,10 +45,12 @@ fn append(hair: &mut HairFile, prepared: &Prepared<'_>, strands: &Strands) -> Re
     if strands.count == 0 {
         return Ok(());
     }
-    let segments = u16::try_from(prepared.segments)
-        .map_err(|_| Error::Check(format!("{} segments a strand are too many for a HAIR file", prepared.segments)))?;
+    let segments = u16::try_from(prepared.segments).map_err(|_| {
+        Error::Check(format!("{} segments a strand are too many for a HAIR file", prepared.segments))
+    })?;
     let points = u64::from(strands.count) * (u64::from(segments) + 1);
-    let buffer = strands.vertices().ok_or_else(|| Error::gpu("guard_strands", "there are no strand vertices"))?;
+    let buffer =
+        strands.vertices().ok_or_else(|| Error::gpu("guard_strands", "there are no strand vertices"))?;
     // As guard_strands.wgsl packs them: position; radius in units of 0.01 cm and opacity as halves.
     let vertices: Vec<[u32; 4]> = prepared.gpu.read(buffer, points * 16)?;
     hair.segments.extend(std::iter::repeat_n(segments, strands.count as usize));
