@@ -66,7 +66,6 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
-        let passes = Passes::new(gpu)?;
         let PackedGroom { groom, texels, mut fur, fibre, noise, lights } = groom::pack(world)?;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
@@ -97,6 +96,7 @@ impl<'g> Prepared<'g> {
             Storage::Evaluated => false,
         };
         fur.storage = u32::from(stored);
+        let passes = Passes::new(gpu, stored)?;
         let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
