@@ -60,7 +60,7 @@ fn exr_keeps_planes_and_metadata() {
     let meta = Metadata::of_program()
         .with_scene("[mesh]\nshape = \"hat\" # Fellmütze\n")
         .with_seed(7)
-        .with_command_line(["pelage", "render", "a b.toml"]);
+        .with_command_line(["/some folder/pelage", "render", "a b.toml"]);
     io::write(&film, &path, &meta, &plain()).unwrap();
     let back = io::read(&path).unwrap();
     assert_eq!((back.width, back.height), (37, 19));

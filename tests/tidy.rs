@@ -48,7 +48,8 @@ fn sources() -> Vec<Source> {
     {
         walk(&root().join(folder), &mut found);
     }
-    for file in ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/README.md", "Cargo.toml"]
+    for file in
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/README.md", "Cargo.toml"]
     {
         let text = std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
         found.push(Source { path: file.into(), text });
@@ -224,20 +225,36 @@ fn deviations_have_reasons() {
 
 fn leftover_complaints(sources: &[Source]) -> Vec<String> {
     // Written in parts, so that this file does not hold them.
-    let words: Vec<String> =
-        [("FIX", "ME"), ("XX", "X"), ("TO", "DO"), ("todo", "!"), ("unimpl", "emented!"), ("dbg", "!("), ("#[ig", "nore")]
-            .iter()
-            .map(|(a, b)| format!("{a}{b}"))
-            .collect();
-    let places: Vec<String> =
-        [("/ho", "me/"), ("/ro", "ot/"), ("/wo", "rk/"), ("/Us", "ers/"), ("C:", "\\"), ("/tm", "p/"), ("../sh", "ared")]
-            .iter()
-            .map(|(a, b)| format!("{a}{b}"))
-            .collect();
+    let words: Vec<String> = [
+        ("FIX", "ME"),
+        ("XX", "X"),
+        ("TO", "DO"),
+        ("todo", "!"),
+        ("unimpl", "emented!"),
+        ("dbg", "!("),
+        ("#[ig", "nore"),
+    ]
+    .iter()
+    .map(|(a, b)| format!("{a}{b}"))
+    .collect();
+    let places: Vec<String> = [
+        ("/ho", "me/"),
+        ("/ro", "ot/"),
+        ("/wo", "rk/"),
+        ("/Us", "ers/"),
+        ("C:\\", "Users"),
+        ("/tm", "p/"),
+        ("../sh", "ared"),
+    ]
+    .iter()
+    .map(|(a, b)| format!("{a}{b}"))
+    .collect();
     let mut complaints = Vec::new();
     for s in sources {
         for (i, line) in s.text.lines().enumerate() {
             let mut find = |list: &[String], what: &str| {
+                // mktemp's template is no mark.
+                let line = line.replace("XXXXXX", "");
                 if let Some(word) = list.iter().find(|w| line.contains(w.as_str())) {
                     complaints.push(format!("{}:{}: {what} {word}", s.path, i + 1));
                 }
@@ -287,7 +304,10 @@ fn panic_complaints(sources: &[Source]) -> Vec<String> {
 fn the_library_neither_panics_nor_writes_torn_files() {
     assert_none(panic_complaints(&sources()));
     let complaints = |text| panic_complaints(&[Source::new("src/a.rs", text)]).len();
-    assert_eq!(complaints("a.unwrap_or(b);\n// .unwrap()\n#[cfg(test)]\nmod tests {\n    a.unwrap();\n}\n"), 0);
+    assert_eq!(
+        complaints("a.unwrap_or(b);\n// .unwrap()\n#[cfg(test)]\nmod tests {\n    a.unwrap();\n}\n"),
+        0
+    );
     assert_eq!(complaints("a.unwrap();\nstd::fs::write(a, b);\n"), 2);
 }
 
@@ -304,7 +324,10 @@ fn files_are_short() {
 fn every_module_has_a_parent() {
     let sources = sources();
     let mut complaints = Vec::new();
-    for s in sources.iter().filter(|s| s.is("src/", ".rs") && !["src/lib.rs", "src/main.rs"].contains(&s.path.as_str())) {
+    for s in sources
+        .iter()
+        .filter(|s| s.is("src/", ".rs") && !["src/lib.rs", "src/main.rs"].contains(&s.path.as_str()))
+    {
         let (folder, name) = s.path.trim_end_matches(".rs").rsplit_once('/').unwrap();
         let parent = if folder == "src" { "src/lib.rs".to_owned() } else { format!("{folder}.rs") };
         let parent = sources.iter().find(|p| p.path == parent).map_or("", |p| &p.text);
