@@ -168,18 +168,17 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&buffer.raw, 0, &staging.raw, 0, size);
         self.queue.submit([encoder.finish()]);
-        let result = Arc::new(Mutex::new(None));
-        let done = result.clone();
+        let (sender, done) = std::sync::mpsc::channel();
         staging.raw.map_async(wgpu::MapMode::Read, 0..size, move |r| {
-            if let Ok(mut slot) = done.lock() {
-                *slot = Some(r);
-            }
+            // Nobody waits any more where the device was lost meanwhile.
+            let _ = sender.send(r);
         });
         self.wait(buffer.name)?;
-        match result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take() {
-            Some(Ok(())) => {}
-            Some(Err(e)) => return Err(Error::gpu(buffer.name, e)),
-            None => {
+        // Another thread that waits on the same device may be the one that runs the callback, a moment later.
+        match done.recv_timeout(std::time::Duration::from_secs(10)) {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(Error::gpu(buffer.name, e)),
+            Err(_) => {
                 return Err(Error::DeviceLost {
                     during: buffer.name.into(),
                     reason: "a read-back never came".into(),

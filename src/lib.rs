@@ -88,6 +88,7 @@ pub mod maps;
 pub mod mesh;
 pub mod passes;
 pub mod prepare;
+pub mod reference;
 pub mod render;
 pub mod scene;
 pub mod skin;

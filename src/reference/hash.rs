@@ -1,0 +1,34 @@
+//! Twin of `shaders/shared/random.wgsl`: random numbers as integer hashes of stable ids.
+
+use glam::Vec3;
+
+/// The "lowbias32" integer hash.
+pub fn hash(value: u32) -> u32 {
+    let mut x = value;
+    x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
+    x = (x ^ (x >> 15)).wrapping_mul(0x846c_a68b);
+    x ^ (x >> 16)
+}
+
+/// Hash of an ordered pair.
+pub fn hash2(a: u32, b: u32) -> u32 {
+    hash(a ^ hash(b.wrapping_add(0x9e37_79b9)))
+}
+
+/// Uniform in 0..1 (1 excluded) with 24 bits.
+pub fn unit_float(h: u32) -> f32 {
+    (h >> 8) as f32 * (1.0 / 16_777_216.0)
+}
+
+/// The `k`-th uniform number of a seed.
+pub fn random(seed: u32, k: u32) -> f32 {
+    unit_float(hash2(seed, k))
+}
+
+/// Uniform on the unit sphere; takes the numbers `k` and `k + 1` of the seed.
+pub fn random_direction(seed: u32, k: u32) -> Vec3 {
+    let z = 1.0 - 2.0 * random(seed, k);
+    let phi = std::f32::consts::TAU * random(seed, k + 1);
+    let r = (1.0 - z * z).max(0.0).sqrt();
+    Vec3::new(r * phi.cos(), r * phi.sin(), z)
+}

@@ -1,0 +1,134 @@
+//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: the undercoat's medium.
+
+use super::hash::{hash2, random, random_direction};
+use super::noise::Field;
+use super::octahedral;
+use super::shell::{Place, Shell, subelement, subelement_centroid};
+use crate::layout::Fur;
+use glam::{Vec2, Vec3};
+
+/// Density and tangent of a subelement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium {
+    /// Relative to the mean, 0..2.5.
+    pub density: f32,
+    /// Unit.
+    pub tangent: Vec3,
+}
+
+/// Largest density that is stored.
+pub const DENSITY_RANGE: f32 = 2.5;
+
+/// 12 bits of density, 10 bits a coordinate of the octahedral tangent.
+pub fn pack_medium(m: Medium) -> u32 {
+    let oct = (octahedral::encode(m.tangent) * 0.5 + 0.5) * 1023.0;
+    let density = ((m.density / DENSITY_RANGE).clamp(0.0, 1.0) * 4095.0).round_ties_even() as u32;
+    density | ((oct.x.round_ties_even() as u32) << 12) | ((oct.y.round_ties_even() as u32) << 22)
+}
+
+/// The inverse of [`pack_medium`].
+pub fn unpack_medium(word: u32) -> Medium {
+    let oct = Vec2::new(((word >> 12) & 1023) as f32, (word >> 22) as f32) / 1023.0;
+    Medium {
+        density: (word & 4095) as f32 / 4095.0 * DENSITY_RANGE,
+        tangent: octahedral::decode(oct * 2.0 - 1.0),
+    }
+}
+
+/// Sine of the angle between two unit vectors.
+pub fn sine(a: Vec3, b: Vec3) -> f32 {
+    let c = a.dot(b);
+    (1.0 - c * c).max(0.0).sqrt()
+}
+
+/// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
+pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
+    let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
+    fur.extinction * m.density * shown
+}
+
+/// Scattering of light from `l` to `v` (both leave the point), per albedo; times the irradiance.
+/// The diffuse term is lossless at 1/pi^2, the specular term sits on the mirror cone T.V = -T.L.
+pub fn kajiya_kay(fur: &Fur, tangent: Vec3, l: Vec3, v: Vec3) -> f32 {
+    use std::f32::consts::{PI, TAU};
+    let sin_l = sine(tangent, l);
+    let mut value = fur.diffuse / (PI * PI) * sin_l;
+    if fur.specular > 0.0 {
+        let mirror = sin_l * sine(tangent, v) - tangent.dot(l) * tangent.dot(v);
+        value += fur.specular * mirror.max(0.0).powf(fur.specular_exponent) / TAU;
+    }
+    value
+}
+
+/// Hermite interpolation between two edges, as in WGSL.
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The undercoat of a shell.
+#[derive(Clone, Copy)]
+pub struct Undercoat<'a> {
+    /// Parameters.
+    pub fur: &'a Fur,
+    /// The noise.
+    pub noise: Field,
+    /// The shell.
+    pub shell: &'a Shell,
+    /// The stored volume; where it is empty, media are evaluated.
+    pub cells: &'a [u32],
+}
+
+impl Undercoat<'_> {
+    fn field(&self, p: Vec3, frequency: f32) -> f32 {
+        if self.fur.noise_domain == 1 {
+            self.noise.simplex2(Vec2::new(p.x, p.y) * frequency)
+        } else {
+            self.noise.simplex3(p * frequency)
+        }
+    }
+
+    /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
+    pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
+        let fur = self.fur;
+        let lean = Vec3::from(fur.lean);
+        let h = hash2(id, fur.seed);
+        let growth = t.powf(fur.jitter_exponent);
+        let leant = lean * (fur.height * t);
+        let offset = 2.0 * Vec3::new(random(h, 0), random(h, 1), random(h, 2)) - 1.0;
+        let jittered = p + fur.uv_jitter * growth * offset - leant;
+        let unevenness = 0.5 + 0.5 * self.field(p - leant + 17.3, fur.height_frequency);
+        let top = 1.0 - fur.height_variation * unevenness;
+        let alive = 1.0 - smoothstep(top - 0.18, top + 0.02, t);
+        let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * self.field(jittered, fur.noise_frequency);
+        let taper = 1.0 + (fur.diameter_ratio - 1.0) * t;
+        let turn = fur.tangent_jitter * growth * random_direction(h, 3);
+        Medium { density: clump.max(0.0) * alive * taper, tangent: (normal + lean * t + turn).normalize() }
+    }
+
+    /// Medium of the subelement `id` of `layer` in the place's prism, evaluated.
+    pub fn subelement(&self, place: &Place, layer: u32, id: u32) -> Medium {
+        let l = subelement_centroid(id, place.subdivision);
+        let t = (layer as f32 + 0.5) / self.fur.layers as f32;
+        let normal = place.extrusion(l).normalize();
+        let p = if self.fur.noise_domain == 1 {
+            let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
+            (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
+        } else {
+            place.point(0.0, l)
+        };
+        self.evaluate(p, normal, t, hash2(place.prism, (layer << 16) | id))
+    }
+
+    /// Medium at a place: of its subelement.
+    pub fn at(&self, place: &Place) -> Medium {
+        let layers = self.fur.layers;
+        let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
+        let id = subelement(place.lambda, place.subdivision);
+        if self.cells.is_empty() {
+            self.subelement(place, layer, id)
+        } else {
+            unpack_medium(self.cells[place.volume_index(layer, id) as usize])
+        }
+    }
+}
