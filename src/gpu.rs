@@ -65,10 +65,8 @@ impl Gpu {
             }
         }));
         let seen = faults.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            if let Ok(mut faults) = seen.lock()
-                && !matches!(reason, wgpu::DeviceLostReason::Destroyed)
-            {
+        device.set_device_lost_callback(move |_, message| {
+            if let Ok(mut faults) = seen.lock() {
                 faults.lost = Some(message);
             }
         });
@@ -77,7 +75,12 @@ impl Gpu {
 
     /// An error if the device reported one since the last call; `during` names the pass.
     pub fn check(&self, during: &str) -> Result<()> {
-        let mut faults = self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let faults = || self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if !faults().errors.is_empty() {
+            // What is done with a lost device fails in many ways; that it is lost may be told only now.
+            self.device.poll(wgpu::PollType::Poll).ok();
+        }
+        let mut faults = faults();
         if let Some(reason) = faults.lost.clone() {
             return Err(Error::DeviceLost { during: during.into(), reason });
         }

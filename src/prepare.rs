@@ -61,6 +61,11 @@ impl Strands {
     pub fn scope<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
         scope.with(&self.buffers.iter().collect::<Vec<_>>())
     }
+
+    /// Vertices of all strands, `segments + 1` each: position, then radius and opacity as the shader packs them.
+    pub(crate) fn vertices(&self) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == "strand_vertices")
+    }
 }
 
 /// Bytes of a strand on the GPU: root, vertices, shades.
@@ -251,7 +256,7 @@ impl<'g> Prepared<'g> {
     }
 
     /// Counts the roots of all triangles and cuts them into ranges whose strands fit the budget.
-    fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
+    pub(crate) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
         let density = world.scene.guard.density.max();
         let seed = world.scene.render.seed;
