@@ -11,8 +11,9 @@ pub use kernel::{Kernel, RasterKernel, Resource, Scope};
 pub use memory::{Buffer, Ledger};
 pub use recorder::Recorder;
 
+use crate::passes::Passes;
 use crate::{Error, Result};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// An open device with everything that the passes need of it.
 pub struct Gpu {
@@ -29,6 +30,7 @@ pub struct Gpu {
     /// Allocations alive and their peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
+    passes: OnceLock<Arc<Passes>>,
 }
 
 /// What the device reported outside any error scope.
@@ -72,7 +74,19 @@ impl Gpu {
                 faults.lost = Some(message);
             }
         });
-        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults })
+        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults, passes: OnceLock::new() })
+    }
+
+    /// All passes; compiled at the first call, so that further renderings on this device do not compile again.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with file and line of a fault in a shader.
+    pub fn passes(&self) -> Result<Arc<Passes>> {
+        if let Some(passes) = self.passes.get() {
+            return Ok(passes.clone());
+        }
+        let made = Arc::new(Passes::new(self)?);
+        Ok(self.passes.get_or_init(|| made).clone())
     }
 
     /// An error if the device reported one since the last call; `during` names the pass.

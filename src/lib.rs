@@ -1,10 +1,12 @@
 //! pelage: a hybrid fur renderer.
 
 pub mod assets;
+pub mod bench;
 pub mod camera;
 pub mod cli;
 pub mod compare;
 pub mod error;
+pub mod figure;
 pub mod film;
 pub mod gpu;
 pub mod groom;
@@ -15,6 +17,7 @@ pub mod maps;
 pub mod mesh;
 pub mod passes;
 pub mod prepare;
+pub mod provenance;
 pub mod render;
 pub mod scene;
 pub mod skin;

@@ -10,13 +10,14 @@ use crate::scene::Storage;
 use crate::skin::NONE;
 use crate::{Error, Result, Skin, World};
 use glam::Vec3;
+use std::sync::Arc;
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {
     /// The device.
     pub gpu: &'g Gpu,
     /// The kernels.
-    pub passes: Passes,
+    pub passes: Arc<Passes>,
     /// Undercoat and lattice parameters as uploaded.
     pub fur: Fur,
     /// Segments a strand.
@@ -61,7 +62,7 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
-        let passes = Passes::new(gpu)?;
+        let passes = gpu.passes()?;
         let PackedGroom { groom, texels, mut fur, fibre, noise, lights } = groom::pack(world)?;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;

@@ -3,6 +3,8 @@
 mod plan;
 mod tile;
 
+pub use tile::FRAGMENT_BYTES;
+
 use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;
 use crate::prepare::Prepared;
