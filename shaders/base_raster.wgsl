@@ -10,7 +10,7 @@
 #import shared/frame
 #import shared/index
 #import shared/undercoat_types
-#import shared/shell_types
+#import shared/shell
 #import shared/lattice
 #import shared/octahedral
 #import shared/base
@@ -45,10 +45,12 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         return;
     }
     let prism = seen - 1u;
-    let v = prisms[prism].vertices;
-    let p0 = shell_vertices[v.x].position;
-    let e1 = shell_vertices[v.y].position - p0;
-    let e2 = shell_vertices[v.z].position - p0;
+    var place: Place;
+    enter_prism(&place, prism);
+    let p0 = place.p0;
+    let e1 = place.e1;
+    let e2 = place.e2;
+    let v = place.vertices;
     let n = cross(e1, e2);
     let ray = sample_ray(xy);
     let along = dot(ray, n);
@@ -58,7 +60,8 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     let l1 = dot(cross(a, e2), n) * inverse;
     let l2 = dot(cross(e1, a), n) * inverse;
     let lambda = vec3f(1.0 - l1 - l2, l1, l2);
-    let cell = lattice_cell(prism, v, lambda, 0.0);
+    place.lambda = lambda;
+    let cell = lattice_cell(&place);
     var radiance = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
         let word = base_light[cell.columns[k]];

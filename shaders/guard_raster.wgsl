@@ -11,11 +11,11 @@ struct Bin {
 @group(0) @binding(1) var<uniform> bin: Bin;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> bins: array<u32>;
-@group(0) @binding(8) var<storage, read> roots: array<Root>;
-@group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
-@group(0) @binding(5) var<storage, read> shades: array<vec2u>;
-@group(0) @binding(6) var<storage, read> base_records: array<vec4u>;
-@group(0) @binding(7) var<storage, read_write> fragment_lists: array<atomic<u32>>;
+@group(0) @binding(4) var<storage, read> roots: array<Root>;
+@group(0) @binding(5) var<storage, read> strand_vertices: array<vec4f>;
+@group(0) @binding(6) var<storage, read> shades: array<vec2u>;
+@group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
+@group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
 
 #import shared/frame
 #import shared/index

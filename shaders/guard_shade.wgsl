@@ -82,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         if inside {
             inside = locate(&place, x, tangent, 3u) == INSIDE;
         }
-        let cell = lattice_cell(place.prism, place.vertices, place.lambda, place.t);
+        let cell = lattice_cell(&place);
         if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > 14.0 {
             shades[first + k] = vec2u(0u, pack2x16float(vec2f(0.0, 1.0)));
             continue;

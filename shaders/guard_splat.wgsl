@@ -1,5 +1,5 @@
-// Step 2: what the guard hairs take from the light, deposited in the nodes of the light lattice. `deposit` adds length x
-// diameter in fixed point, so that the order of additions does not matter; `normalise` divides by the nodes' volumes.
+// Step 2: what stands in the way of the light, at the nodes of the light lattice. `deposit` adds the guard hairs' length x diameter in
+// fixed point, so that the order of additions does not matter; `normalise` divides by the nodes' volumes and joins the undercoat.
 
 struct Batch {
     strands: u32,
@@ -14,13 +14,20 @@ struct Batch {
 @group(0) @binding(7) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> deposits: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read> columns: array<Column>;
-@group(0) @binding(10) var<storage, read_write> guard_extinction: array<f32>; // 1/cm
+@group(0) @binding(10) var<storage, read_write> lattice_extinction: array<u32>; // 1/cm: undercoat (seen square), guard hairs; halves
+@group(0) @binding(11) var<uniform> noise: Noise;
+@group(0) @binding(12) var<storage, read> corner_uv: array<vec2f>;
 
 #import shared/index
-#import shared/undercoat_types
+#import shared/random
+#import shared/noise
+#import shared/octahedral
+#import shared/undercoat
+#import shared/clumps
 #import shared/shell
 #import shared/lattice
 #import shared/column
+#import shared/column_place
 #import shared/groom_types
 #import shared/root_types
 #import shared/strands
@@ -48,7 +55,7 @@ fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
             if locate(&place, x, d, 3u) != INSIDE {
                 return;
             }
-            let cell = lattice_cell(place.prism, place.vertices, place.lambda, place.t);
+            let cell = lattice_cell(&place);
             for (var c = 0u; c < 3u; c++) {
                 let node = node_index(cell.columns[c], cell.level);
                 let share = amount * cell.weights[c] * FIXED_POINT;
@@ -67,16 +74,25 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     }
     let column = i / (fur.levels + 1u);
     let level = i % (fur.levels + 1u);
-    let spot = column_spot(column, columns[column].corner);
     var place: Place;
-    enter_prism(&place, spot.prism);
-    let extrusion = place.v0 + spot.lambda.y * place.w1 + spot.lambda.z * place.w2;
-    let t = f32(level) / f32(fur.levels) * fur.light_reach;
+    enter_node(&place, column, level);
+    let t = place.t;
     let flat = cross(place.e1, place.e2);
     let raised = cross(place.e1 + t * place.w1, place.e2 + t * place.w2);
     let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
     // The end nodes stand for half a cell.
     let cells = select(1.0, 0.5, level == 0u || level == fur.levels);
-    let volume = columns[column].area * spread * length(extrusion) * fur.light_reach / f32(fur.levels) * cells;
-    guard_extinction[i] = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
+    let volume = columns[column].area * spread * length(extrusion(&place)) * fur.light_reach / f32(fur.levels) * cells;
+    let guard = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
+    var undercoat = 0.0;
+    if t <= 1.0 && fur.extinction > 0.0 {
+        var p = place.p0 + place.lambda.y * place.e1 + place.lambda.z * place.e2;
+        if fur.noise_domain == 1u {
+            let corner = 3u * place.prism;
+            p = vec3f(place.lambda.x * corner_uv[corner] + place.lambda.y * corner_uv[corner + 1u]
+                + place.lambda.z * corner_uv[corner + 2u], 0.0);
+        }
+        undercoat = fur.extinction * columns[column].density * clump_density(p, p, t);
+    }
+    lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));
 }

@@ -21,6 +21,7 @@ struct BvhNode {
 #import shared/shell
 #import shared/lattice
 #import shared/column
+#import shared/column_place
 #import shared/lights
 
 fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
@@ -84,13 +85,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= fur.columns {
         return;
     }
-    let spot = column_spot(i, columns[i].corner);
     var place: Place;
-    enter_prism(&place, spot.prism);
-    let extrusion = place.v0 + spot.lambda.y * place.w1 + spot.lambda.z * place.w2;
     // A little above the skin even where there is no undercoat.
-    let lift = extrusion * fur.light_reach + normalize(cross(place.e1, place.e2)) * 1e-3;
-    let origin = place.p0 + spot.lambda.y * place.e1 + spot.lambda.z * place.e2 + lift;
+    let origin = enter_node(&place, i, fur.levels) + normalize(cross(place.e1, place.e2)) * 1e-3;
     var bits = vec2u(0u);
     for (var j = 0u; j < fur.lights; j++) {
         if blocked(origin, lights.lights[j].direction) {

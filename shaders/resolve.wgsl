@@ -41,16 +41,6 @@ struct Gathered {
     fragments: u32,
 }
 
-fn list_length(i: u32) -> u32 {
-    var n = 0u;
-    var node = fragment_lists[head_word(i)];
-    while node != 0u {
-        n++;
-        node = fragment_lists[node_word(node)];
-    }
-    return n;
-}
-
 fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
     let z_base = bitcast<f32>(base.x);
@@ -92,15 +82,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
     var g: Gathered;
     g.through = 1.0;
-    g.fragments = list_length(i);
-    if g.fragments == 0u {
-        finish(i, xy, &g);
-        return;
-    }
     let z_base = bitcast<f32>(base_records[i].x);
-    var batch: Batch;
-    read_batch(&batch, i, -1.0, 0u);
-    var next = 0u;
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
@@ -109,58 +91,75 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     var waiting = NONE;
     var waiting_z = 0.0;
     var skip_to = 0.0;
-    loop {
-        if g.through <= fur.opacity_cut {
-            break;
-        }
-        if next == batch.count && batch.more {
-            let last = batch.count - 1u;
-            read_batch(&batch, i, batch.z[last], batch.source[last]);
-            next = 0u;
-        }
-        let has_node = next < batch.count;
-        let z_node = select(z_base, batch.z[min(next, BATCH - 1u)], has_node);
-        if march.marching && march.z >= march.z_end {
-            if !next_step(&march, &place) && waiting != NONE {
-                skip_to = max(skip_to, march.z);
-                enter_shell(&march, &place, waiting, waiting_z, phase);
-                waiting = NONE;
-                continue;
+    var z_after = -1.0;
+    var source_after = 0u;
+    var batch: Batch;
+    var more = true;
+    while more {
+        read_batch(&batch, i, z_after, source_after);
+        g.fragments = batch.length;
+        more = batch.more;
+        var next = 0u;
+        // Each round does at most one step of the march and takes all fragments up to its end.
+        while g.through > fur.opacity_cut && (next < batch.count || (march.marching && !more)) {
+            // Fragments outside the undercoat.
+            while !march.marching && next < batch.count {
+                let key = batch.source[next];
+                if (key >> KIND_SHIFT) == KIND_ENTRY {
+                    skip_to = 0.0;
+                    enter_shell(&march, &place, key & ID_MASK, batch.z[next], phase);
+                } else {
+                    over_strand(&g, node_color(batch.node[next]), batch.z[next]);
+                }
+                next++;
             }
-        }
-        if march.marching {
-            let z_to = min(march.z_end, z_node);
-            if z_to > march.z {
-                let z_from = max(march.z, skip_to);
-                if z_to > z_from {
-                    let rest = exp(-march.sigma * (z_to - z_from));
-                    over_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), 0.5 * (z_from + z_to));
+            if !march.marching {
+                break;
+            }
+            if march.z >= march.z_end {
+                next_step(&march, &place);
+                if !march.marching {
+                    if waiting != NONE {
+                        skip_to = max(skip_to, march.z);
+                        enter_shell(&march, &place, waiting, waiting_z, phase);
+                        waiting = NONE;
+                    }
+                    continue;
+                }
+            }
+            // The step, cut at the fragments within it. Behind the batch's end nothing is known yet.
+            var inside = true;
+            while inside {
+                let has_node = next < batch.count;
+                let z_node = select(select(z_base, march.z, more), batch.z[min(next, BATCH - 1u)], has_node);
+                let z_to = clamp(z_node, march.z, march.z_end);
+                let length = z_to - max(march.z, skip_to);
+                if length > 0.0 {
+                    let rest = exp(-march.sigma * length);
+                    over_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
                 }
                 march.z = z_to;
+                inside = has_node && z_node <= march.z_end;
+                if inside {
+                    let key = batch.source[next];
+                    if (key >> KIND_SHIFT) == KIND_ENTRY {
+                        waiting = key & ID_MASK;
+                        waiting_z = z_node;
+                    } else {
+                        over_strand(&g, node_color(batch.node[next]), z_node);
+                    }
+                    next++;
+                }
             }
-            if z_node > march.z_end {
-                continue;
+            if march.z >= z_base {
+                march.marching = false;
             }
         }
-        if !has_node {
-            if march.marching && march.z < z_base {
-                continue;
-            }
-            break;
+        more = more && g.through > fur.opacity_cut;
+        if more {
+            z_after = batch.z[BATCH - 1u];
+            source_after = batch.source[BATCH - 1u];
         }
-        let key = batch.source[next];
-        if (key >> KIND_SHIFT) == KIND_ENTRY {
-            if march.marching {
-                waiting = key & ID_MASK;
-                waiting_z = z_node;
-            } else {
-                skip_to = 0.0;
-                enter_shell(&march, &place, key & ID_MASK, z_node, phase);
-            }
-        } else {
-            over_strand(&g, node_color(batch.node[next]), z_node);
-        }
-        next++;
     }
     if march.lost > 0u {
         atomicAdd(&lost_rays[0], march.lost);
@@ -194,13 +193,13 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
     let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
     var g: Gathered;
     g.through = 1.0;
-    g.fragments = list_length(i);
     var batch: Batch;
     var z_after = -1.0;
     var source_after = 0u;
-    var more = g.fragments > 0u;
+    var more = true;
     while more && g.through > fur.opacity_cut {
         read_batch(&batch, i, z_after, source_after);
+        g.fragments = batch.length;
         more = batch.more;
         for (var k = 0u; k < batch.count; k++) {
             z_after = batch.z[k];

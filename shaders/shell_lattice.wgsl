@@ -11,7 +11,6 @@
 #import shared/index
 #import shared/undercoat_types
 #import shared/shell_types
-#import shared/lattice
 #import shared/column
 #import shared/record
 #import shared/groom
@@ -23,8 +22,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= fur.columns {
         return;
     }
-    let spot = column_spot(i, columns[i].corner);
-    let at = skin_point(spot.prism, spot.lambda);
+    let at = skin_point(columns[i].prism, column_lambda(columns[i].grid));
     // Relative to the density that fur.extinction holds.
     columns[i].density = scalar(UNDERCOAT_DENSITY, at) / fur.density;
     columns[i].color_root = pack_albedo(color(UNDERCOAT_COLOR_ROOT, at));

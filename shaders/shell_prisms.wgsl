@@ -16,7 +16,8 @@ struct Counts {
 @group(0) @binding(8) var<storage, read_write> shell_vertices: array<ShellVertex>;
 @group(0) @binding(9) var<storage, read> neighbours: array<u32>;
 @group(0) @binding(10) var<storage, read> subdivisions: array<vec2u>;            // level d, first subelement
-@group(0) @binding(11) var<storage, read_write> prisms: array<Prism>;
+@group(0) @binding(11) var<storage, read> edge_numbers: array<u32>;
+@group(0) @binding(12) var<storage, read_write> prisms: array<Prism>;
 
 #import shared/index
 #import shared/shell_types
@@ -74,5 +75,6 @@ fn prisms_of_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
     }
     let first = 3u * t;
     prisms[t] = Prism(vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]), subdivisions[t].y,
-        vec3u(neighbours[first], neighbours[first + 1u], neighbours[first + 2u]), subdivisions[t].x);
+        vec3u(neighbours[first], neighbours[first + 1u], neighbours[first + 2u]), subdivisions[t].x,
+        vec3u(edge_numbers[first], edge_numbers[first + 1u], edge_numbers[first + 2u]), 0u);
 }

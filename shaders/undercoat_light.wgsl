@@ -1,55 +1,51 @@
-// Step 2: optical depth from every node of the light lattice to every light, and to the eye: one march a node and light instead
-// of a nested march at every step of the eye's ray. Undercoat and guard hairs count alike.
+// Step 2: optical depth from every node of the light lattice to every light, and to the eye, instead of a nested march at every step of
+// the eye's ray. Undercoat and guard hairs count alike. Level by level from the top: a ray that climbs is followed to the next
+// level and takes the rest from there; one that does not is followed to its end.
 
-@group(0) @binding(1) var<uniform> fur: Fur;
-@group(0) @binding(2) var<uniform> noise: Noise;
+struct Sweep {
+    level: u32,
+}
+
+@group(0) @binding(1) var<uniform> sweep: Sweep;
+@group(0) @binding(2) var<uniform> fur: Fur;
 @group(0) @binding(3) var<uniform> lights: Lights;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(6) var<storage, read> cells: array<u32>;
-@group(0) @binding(7) var<storage, read> columns: array<Column>;
-@group(0) @binding(8) var<storage, read> guard_extinction: array<f32>;
-@group(0) @binding(9) var<storage, read_write> tau: array<u32>; // pairs of halves
+@group(0) @binding(6) var<storage, read> columns: array<Column>;
+@group(0) @binding(7) var<storage, read> lattice_extinction: array<u32>;
+@group(0) @binding(8) var<storage, read_write> tau: array<u32>; // pairs of halves
 
 #import shared/frame
 #import shared/index
-#import shared/random
-#import shared/noise
 #import shared/octahedral
 #import shared/undercoat
-#import shared/clumps
 #import shared/shell
-#import shared/uv_in_cells
-#import shared/volume
 #import shared/lattice
 #import shared/column
+#import shared/column_place
 #import shared/lights
 
-// Extinction by undercoat and guard hairs at a place, towards w.
+// Extinction by undercoat and guard hairs at a place, towards w, from the lattice: the march steps over cells of the volume, and the
+// optical depths are kept no finer than the lattice either.
 fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
-    let cell = lattice_cell((*place).prism, (*place).vertices, (*place).lambda, (*place).t);
-    var guard = 0.0;
-    var density = 0.0;
+    let cell = lattice_cell(place);
+    var sum = vec2f(0.0);
     for (var k = 0u; k < 3u; k++) {
         let node = node_index(cell.columns[k], cell.level);
-        guard += cell.weights[k] * mix(guard_extinction[node], guard_extinction[node + 1u], cell.fraction);
-        density += cell.weights[k] * columns[cell.columns[k]].density;
+        sum += cell.weights[k] * mix(unpack2x16float(lattice_extinction[node]), unpack2x16float(lattice_extinction[node + 1u]), cell.fraction);
     }
-    var sigma = guard * 0.7853982; // pi/4: the mean sine
-    if (*place).t <= 1.0 && fur.extinction > 0.0 {
-        sigma += density * extinction(medium_at(place), w);
-    }
-    return sigma;
+    let normal = normalize(extrusion(place));
+    let tangent = normalize(normal + fur.lean * min((*place).t, 1.0));
+    return sum.x * select(sine(tangent, w), 0.7853982, fur.isotropic == 1u) + sum.y * 0.7853982; // pi/4: the mean sine
 }
 
-// Optical depth from x in the place towards w.
-fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, behind: bool) -> f32 {
+// Optical depth from x in the place towards w, followed to the end.
+fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
-    // The first half step covers the node's own surroundings.
     var step = 0.5 * fur.light_step;
     var distance = 0.0;
-    for (var i = 0u; i < 400u; i++) {
+    for (var i = 0u; i < 200u; i++) {
         let state = locate(&place, x + (distance + 0.5 * step) * w, w, 2u);
         if state != INSIDE || place.t > fur.light_reach {
             break;
@@ -64,36 +60,77 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, behind: bool) 
         distance += step;
         step = min(fur.light_step, step * 1.5);
     }
-    return select(sum, TAU_BLOCKED, behind);
+    return sum;
+}
+
+// What is left from a place at or above a finished level.
+fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
+    (*place).t = max((*place).t, level_height(sweep.level + 1u));
+    let cell = lattice_cell(place);
+    let pairs = tau_pairs();
+    var sum = 0.0;
+    for (var k = 0u; k < 3u; k++) {
+        let node = node_index(cell.columns[k], cell.level) * pairs + light / 2u;
+        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], cell.fraction);
+    }
+    return sum;
+}
+
+// Longest way to the next level that is taken in two steps, in steps of the full march.
+const CLIMB_LIMIT: f32 = 6.0;
+
+fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, behind: bool) -> f32 {
+    var place = *start;
+    solve(&place, x, w, 0u);
+    let slope = place.dt_dz;
+    if sweep.level == fur.levels {
+        if slope > 0.0 {
+            return select(0.0, TAU_BLOCKED, behind);
+        }
+    } else {
+        let way = (level_height(sweep.level + 1u) - place.t) / slope;
+        if slope > 0.0 && way < CLIMB_LIMIT * fur.light_step {
+            var sum = 0.0;
+            var state = INSIDE;
+            for (var part = 0u; part < 2u; part++) {
+                state = locate(&place, x + way * (0.25 + 0.5 * f32(part)) * w, w, 1u);
+                if state != INSIDE {
+                    return select(sum, TAU_BLOCKED, behind);
+                }
+                sum += fur_extinction(&place, w) * way * 0.5;
+            }
+            state = locate(&place, x + way * w, w, 1u);
+            if state != INSIDE {
+                return select(sum, TAU_BLOCKED, behind);
+            }
+            return min(TAU_BLOCKED, sum + known_tau(&place, light));
+        }
+    }
+    place = *start;
+    return select(march_out(&place, x, w), TAU_BLOCKED, behind);
 }
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    let nodes = fur.columns * (fur.levels + 1u);
     let pairs = tau_pairs();
-    if i >= nodes * pairs {
+    if i >= fur.columns * pairs {
         return;
     }
-    let node = i / pairs;
-    let pair = i % pairs;
-    let column = node / (fur.levels + 1u);
-    let spot = column_spot(column, columns[column].corner);
+    // Neighbouring invocations follow the same lights.
+    let column = i % fur.columns;
+    let pair = i / fur.columns;
     var place: Place;
-    enter_prism(&place, spot.prism);
-    place.lambda = spot.lambda;
-    place.t = f32(node % (fur.levels + 1u)) / f32(fur.levels) * fur.light_reach;
-    let l = spot.lambda;
-    let x = place.p0 + l.y * place.e1 + l.z * place.e2 + place.t * (place.v0 + l.y * place.w1 + l.z * place.w2);
+    let x = enter_node(&place, column, sweep.level);
     var values = vec2f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let j = 2u * pair + k;
         if j < fur.lights {
             let behind = (columns[column].blocked[j >> 5u] & (1u << (j & 31u))) != 0u;
-            values[k] = optical_depth(&place, x, lights.lights[j].direction, behind);
+            values[k] = optical_depth(&place, x, lights.lights[j].direction, j, behind);
         } else if j == fur.lights {
-            values[k] = optical_depth(&place, x, normalize(frame.eye - x), false);
+            values[k] = optical_depth(&place, x, normalize(frame.eye - x), j, false);
         }
     }
-    tau[i] = pack2x16float(values);
+    tau[node_index(column, sweep.level) * pairs + pair] = pack2x16float(values);
 }

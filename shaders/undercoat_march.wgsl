@@ -73,7 +73,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         var chunk_z = z_entry;
         var closed = 0u;        // virtual fragments closed
         while march.marching && through > fur.opacity_cut {
-            if !next_step(&march, &place) {
+            next_step(&march, &place);
+            if !march.marching {
                 break;
             }
             let z0 = max(march.z, consumed);

@@ -17,6 +17,7 @@
 #import shared/shell
 #import shared/lattice
 #import shared/column
+#import shared/column_place
 #import shared/lights
 #import shared/record
 
@@ -32,15 +33,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let column = node / (fur.levels + 1u);
     let level = node % (fur.levels + 1u);
-    let height = f32(level) / f32(fur.levels) * fur.light_reach;
-    let t = min(height, 1.0);
-    let spot = column_spot(column, columns[column].corner);
     var place: Place;
-    enter_prism(&place, spot.prism);
-    let l = spot.lambda;
-    let v = prisms[spot.prism].vertices;
+    let x = enter_node(&place, column, level);
+    let t = min(place.t, 1.0);
+    let l = place.lambda;
+    let v = place.vertices;
     let normal = normalize(l.x * shell_vertices[v.x].normal + l.y * shell_vertices[v.y].normal + l.z * shell_vertices[v.z].normal);
-    let x = place.p0 + l.y * place.e1 + l.z * place.e2 + height * (place.v0 + l.y * place.w1 + l.z * place.w2);
     let tangent = normalize(normal + fur.lean * t);
     let view = normalize(frame.eye - x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);

@@ -30,7 +30,8 @@ pub struct Gpu {
     /// Allocations alive and their peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
-    passes: OnceLock<Arc<Passes>>,
+    /// With densities evaluated, and stored.
+    passes: [OnceLock<Arc<Passes>>; 2],
 }
 
 /// What the device reported outside any error scope.
@@ -74,19 +75,21 @@ impl Gpu {
                 faults.lost = Some(message);
             }
         });
-        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults, passes: OnceLock::new() })
+        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults, passes: Default::default() })
     }
 
-    /// All passes; compiled at the first call, so that further renderings on this device do not compile again.
+    /// All passes, for densities that are stored or evaluated; compiled at the first call, so that further renderings on this
+    /// device do not compile again.
     ///
     /// # Errors
     /// [`Error::Gpu`] with file and line of a fault in a shader.
-    pub fn passes(&self) -> Result<Arc<Passes>> {
-        if let Some(passes) = self.passes.get() {
+    pub fn passes(&self, stored: bool) -> Result<Arc<Passes>> {
+        let slot = &self.passes[usize::from(stored)];
+        if let Some(passes) = slot.get() {
             return Ok(passes.clone());
         }
-        let made = Arc::new(Passes::new(self)?);
-        Ok(self.passes.get_or_init(|| made).clone())
+        let made = Arc::new(Passes::new(self, stored)?);
+        Ok(slot.get_or_init(|| made).clone())
     }
 
     /// An error if the device reported one since the last call; `during` names the pass.

@@ -122,6 +122,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         light_reach: 1.0,
         lights: world.lights.len().min(MAX_LIGHTS) as u32,
         columns: 0,
+        vertices: world.skin.positions.len() as u32,
+        edges: 0,
         keys: 0,
         opacity_cut: 0.0005,
         virtual_fragments: match scene.render.blend {
@@ -131,6 +133,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
         key_lights: [u32::MAX; 2],
+        padding: [0; 2],
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
     };

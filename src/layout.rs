@@ -57,6 +57,8 @@ shared! {
         cell_base: u32,
         neighbours: [u32; 3],
         subdivision: u32,
+        edges: [u32; 3],
+        padding: u32,
     }
     /// `shared/undercoat_types.wgsl`
     struct Fur {
@@ -87,12 +89,15 @@ shared! {
         light_reach: f32,
         lights: u32,
         columns: u32,
+        vertices: u32,
+        edges: u32,
         keys: u32,
         opacity_cut: f32,
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
         key_lights: [u32; 2],
+        padding: [u32; 2],
         key_direction: [[f32; 4]; 2],
         key_irradiance: [[f32; 4]; 2],
     }
@@ -154,12 +159,14 @@ shared! {
     }
     /// `shared/column.wgsl`
     struct Column {
-        corner: u32,
+        prism: u32,
+        grid: u32,
         area: f32,
         density: f32,
         color_root: u32,
         color_tip: u32,
         color_base: u32,
+        padding: u32,
         blocked: [u32; 2],
     }
     /// `shared/root_types.wgsl`

@@ -73,11 +73,11 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles every kernel.
+    /// Compiles every kernel, for a volume that is `stored` or evaluated.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in a shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
         Ok(Self {
             base_raster: base_raster::BaseRaster::new(gpu)?,
             edge_table: edge_table::EdgeTable::new(gpu)?,
@@ -89,13 +89,13 @@ impl Passes {
             guard_strands: guard_strands::GuardStrands::new(gpu)?,
             hair_roots: hair_roots::HairRoots::new(gpu)?,
             light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
-            resolve: resolve::Resolve::new(gpu)?,
+            resolve: resolve::Resolve::new(gpu, stored)?,
             shell_entry: shell_entry::ShellEntry::new(gpu)?,
             shell_lattice: shell_lattice::ShellLattice::new(gpu)?,
             shell_prisms: shell_prisms::ShellPrisms::new(gpu)?,
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,
             undercoat_light: undercoat_light::UndercoatLight::new(gpu)?,
-            undercoat_march: undercoat_march::UndercoatMarch::new(gpu)?,
+            undercoat_march: undercoat_march::UndercoatMarch::new(gpu, stored)?,
             undercoat_source: undercoat_source::UndercoatSource::new(gpu)?,
         })
     }

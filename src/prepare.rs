@@ -62,7 +62,6 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
-        let passes = gpu.passes()?;
         let PackedGroom { groom, texels, mut fur, fibre, noise, lights } = groom::pack(world)?;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
@@ -78,7 +77,7 @@ impl<'g> Prepared<'g> {
             gpu.upload("map_texels", 1, &texels)?,
             gpu.upload("corner_uv", 1, &corner_uv(skin))?,
             gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
-            gpu.storage("prisms", 1, u64::from(triangles) * 32)?,
+            gpu.storage("prisms", 1, u64::from(triangles) * 48)?,
         ];
         let has_coat = groom::has_undercoat(&world.scene);
         let (subdivisions, cells) = subdivide(skin, world, has_coat);
@@ -93,11 +92,14 @@ impl<'g> Prepared<'g> {
             Storage::Evaluated => false,
         };
         fur.storage = u32::from(stored);
-        let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit().min(budget / 5));
+        let passes = gpu.passes(stored)?;
+        let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
         fur.light_reach = lattice.reach;
-        let columns = lattice.columns(skin);
+        let (edge_numbers, edges) = number_edges(skin);
+        fur.edges = edges;
+        let columns = lattice.columns(skin, &edge_numbers, edges);
         fur.columns = columns.len() as u32;
         made.push(gpu.uniform("fur", &fur)?);
 
@@ -109,6 +111,7 @@ impl<'g> Prepared<'g> {
                 gpu.upload("skin_vertices", 1, &skin_vertices(skin))?,
                 gpu.upload("vertex_uv", 1, &vertex_uv(skin))?,
                 gpu.upload("subdivisions", 1, &subdivisions)?,
+                gpu.upload("edge_numbers", 1, bytemuck::cast_slice::<[u32; 3], u32>(&edge_numbers))?,
             ];
             let scope = scope_of(&made).with(&inputs.iter().collect::<Vec<_>>()).with(&[&neighbours]);
             let mut recorder = Recorder::new(gpu);
@@ -177,7 +180,7 @@ impl<'g> Prepared<'g> {
     fn light(&mut self, world: &World, nodes: u64, pairs: u32, timings: &mut Timings) -> Result<()> {
         let gpu = self.gpu;
         let deposits = gpu.storage("deposits", 2, nodes * 4)?;
-        let extinction = gpu.storage("guard_extinction", 2, nodes * 4)?;
+        let extinction = gpu.storage("lattice_extinction", 2, nodes * 4)?;
         if groom::has_guard(&world.scene) {
             let batches = self.root_batches(world, timings)?;
             let single = batches.len() == 1;
@@ -208,7 +211,14 @@ impl<'g> Prepared<'g> {
             let scope =
                 self.scope().with(&[&extinction, &tau, &source, &base_light]).with(&tree.iter().collect::<Vec<_>>());
             self.passes.light_occlusion.record(&mut recorder, &scope, self.fur.columns)?;
-            self.passes.undercoat_light.record(&mut recorder, &scope, nodes, pairs)?;
+            let _sweeps = self.passes.undercoat_light.record(
+                gpu,
+                &mut recorder,
+                &scope,
+                self.fur.columns,
+                self.fur.levels,
+                pairs,
+            )?;
             self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
             recorder.submit(timings)?;
         }
@@ -398,9 +408,9 @@ impl Lattice {
     /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
     fn plan(skin: &Skin, world: &World, fur: &Fur, room: u64) -> Self {
         /// Wanted distance of columns, cm.
-        const SPACING: f32 = 0.12;
+        const SPACING: f32 = 0.2;
         /// Wanted distance of levels in mean free paths of the undercoat.
-        const LEVEL_PATHS: f32 = 2.5;
+        const LEVEL_PATHS: f32 = 4.0;
         let guard = &world.scene.guard;
         let reach = if groom::has_guard(&world.scene) {
             (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
@@ -413,11 +423,8 @@ impl Lattice {
         let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
         let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(6, 20);
         let bytes = |edge: u32, levels: u32| {
-            let columns = if edge == 1 {
-                skin.positions.len() as u64
-            } else {
-                skin.triangles.len() as u64 * u64::from((edge + 1) * (edge + 2) / 2)
-            };
+            // Half an area of the grid's triangles for each of its points.
+            let columns = skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
             columns * u64::from(levels + 1) * u64::from((fur.lights + 2) / 2).max(4) * 4
         };
         while bytes(edge, levels) > room && edge > 1 {
@@ -429,27 +436,43 @@ impl Lattice {
         Self { edge, levels, reach }
     }
 
-    /// The columns: where they stand and their share of the skin's area.
-    fn columns(&self, skin: &Skin) -> Vec<Column> {
-        let blank = <Column as bytemuck::Zeroable>::zeroed();
-        if self.edge == 1 {
-            let mut columns = vec![blank; skin.positions.len()];
-            for (t, triangle) in skin.triangles.iter().enumerate() {
-                for (k, v) in triangle.iter().enumerate() {
-                    let column = &mut columns[*v as usize];
-                    column.corner = (3 * t + k) as u32;
-                    column.area += skin.triangle_area(t) / 3.0;
-                }
+    /// Column at barycentric `(n - i - j, i, j) / n` of triangle `t`; the twin of `column_index` in `shared/lattice.wgsl`.
+    fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
+        let n = self.edge;
+        let v = skin.triangles[t];
+        let vertices = skin.positions.len() as u32;
+        let on_edge = |edge: u32, a: u32, b: u32, k: u32| {
+            vertices + edge * (n - 1) + if a < b { k } else { n - k } - 1
+        };
+        let column = match (i, j) {
+            (0, 0) => v[0],
+            (i, _) if i == n => v[1],
+            (_, j) if j == n => v[2],
+            (i, 0) => on_edge(edge_numbers[t][2], v[0], v[1], i),
+            (0, j) => on_edge(edge_numbers[t][1], v[0], v[2], j),
+            (i, j) if i + j == n => on_edge(edge_numbers[t][0], v[1], v[2], j),
+            (i, j) => {
+                let inner = (n - 1) * (n - 2) / 2;
+                vertices + edges * (n - 1) + t as u32 * inner + (j - 1) * (n - 1) - (j - 1) * j / 2 + i - 1
             }
-            return columns;
-        }
-        let n = self.edge as usize;
-        let of_triangle = (n + 1) * (n + 2) / 2;
-        let at = |i: usize, j: usize| j * (n + 1) - (j * j - j.min(j * j)) / 2 + i;
-        let mut columns = vec![blank; skin.triangles.len() * of_triangle];
+        };
+        column as usize
+    }
+
+    /// The columns: where they stand and their share of the skin's area.
+    fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
+        let n = self.edge;
+        let inner = (n - 1) * n.saturating_sub(2) / 2;
+        let count = skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;
+        let mut columns = vec![<Column as bytemuck::Zeroable>::zeroed(); count];
         for t in 0..skin.triangles.len() {
             let share = skin.triangle_area(t) / (n * n) as f32 / 3.0;
-            let mut add = |i: usize, j: usize| columns[t * of_triangle + at(i, j)].area += share;
+            let mut add = |i: u32, j: u32| {
+                let column = &mut columns[self.column(skin, edge_numbers, edges, t, i, j)];
+                column.prism = t as u32;
+                column.grid = i | (j << 16);
+                column.area += share;
+            };
             for j in 0..n {
                 for i in 0..n - j {
                     for (i, j) in [(i, j), (i + 1, j), (i, j + 1)] {
@@ -465,6 +488,23 @@ impl Lattice {
         }
         columns
     }
+}
+
+/// Numbers of the edges opposite each corner, the same from both sides, and how many there are.
+fn number_edges(skin: &Skin) -> (Vec<[u32; 3]>, u32) {
+    let mut known = std::collections::HashMap::with_capacity(2 * skin.triangles.len());
+    let numbers = skin
+        .triangles
+        .iter()
+        .map(|v| {
+            [0, 1, 2].map(|k| {
+                let (a, b) = (v[(k + 1) % 3], v[(k + 2) % 3]);
+                let next = known.len() as u32;
+                *known.entry((a.min(b), a.max(b))).or_insert(next)
+            })
+        })
+        .collect();
+    (numbers, known.len() as u32)
 }
 
 /// A BVH over the skin's triangles as the shader reads it, built by obvhs.

@@ -1,6 +1,6 @@
-// The light lattice: nodes on a triangular grid over each skin triangle, `levels + 1` of them above one another (a
-// column). With one cell a triangle the columns are the skin's vertices, shared by all triangles; finer lattices keep
-// their columns triangle by triangle. Needs: fur (uniform Fur).
+// The light lattice: nodes on a triangular grid over each skin triangle, `levels + 1` of them above one another (a column). Columns at the
+// skin's vertices come first, then those within its edges, then those within its triangles; neighbours share them, so that
+// what is looked up is continuous. Needs: fur (uniform Fur).
 
 struct LatticeCell {
     columns: vec3u,
@@ -9,45 +9,54 @@ struct LatticeCell {
     fraction: f32,  // towards the upper
 }
 
-fn columns_per_triangle() -> u32 {
-    return (fur.lattice + 1u) * (fur.lattice + 2u) / 2u;
+// Number of a column: grid point k of the edge from vertex a to b, counted from a.
+fn edge_column(edge: u32, a: u32, b: u32, k: u32) -> u32 {
+    return fur.vertices + edge * (fur.lattice - 1u) + select(fur.lattice - k, k, a < b) - 1u;
 }
 
-fn column_index(prism: u32, vertices: vec3u, i: u32, j: u32) -> u32 {
-    if fur.lattice == 1u {
-        return select(select(vertices.x, vertices.y, i == 1u), vertices.z, j == 1u);
-    }
-    return prism * columns_per_triangle() + j * (fur.lattice + 1u) - (j * j - j) / 2u + i;
+// Column at barycentric (n - i - j, i, j) / n of a triangle.
+fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u32 {
+    let n = fur.lattice;
+    if i + j == 0u { return vertices.x; }
+    if i == n { return vertices.y; }
+    if j == n { return vertices.z; }
+    if j == 0u { return edge_column(edges.z, vertices.x, vertices.y, i); }
+    if i == 0u { return edge_column(edges.y, vertices.x, vertices.z, j); }
+    if i + j == n { return edge_column(edges.x, vertices.y, vertices.z, j); }
+    let inner = (n - 1u) * (n - 2u) / 2u;
+    return fur.vertices + fur.edges * (n - 1u) + prism * inner + (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + i - 1u;
 }
 
-// The lattice cell of a place; `t` in shell heights.
-fn lattice_cell(prism: u32, vertices: vec3u, lambda: vec3f, t: f32) -> LatticeCell {
+// The lattice cell of a place.
+fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     var cell: LatticeCell;
-    let height = clamp(t / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
+    let height = clamp((*place).t / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
     cell.level = min(u32(height), fur.levels - 1u);
     cell.fraction = height - f32(cell.level);
+    let inside = max((*place).lambda, vec3f(0.0));
+    let lambda = inside / (inside.x + inside.y + inside.z);
+    let vertices = (*place).vertices;
     if fur.lattice == 1u {
-        let inside = max(lambda, vec3f(0.0));
         cell.columns = vertices;
-        cell.weights = inside / (inside.x + inside.y + inside.z);
+        cell.weights = lambda;
         return cell;
     }
     let n = fur.lattice;
-    let f = clamp(lambda.yz, vec2f(0.0), vec2f(1.0)) * f32(n);
-    var ij = min(vec2u(f), vec2u(n - 1u));
-    if ij.x + ij.y > n - 1u {
-        ij.x = n - 1u - min(ij.y, n - 1u);
-    }
-    let r = clamp(f - vec2f(ij), vec2f(0.0), vec2f(1.0));
-    if r.x + r.y <= 1.0 || ij.x + ij.y + 2u > n {
-        let sum = max(1.0, r.x + r.y);
-        cell.weights = vec3f(1.0 - (r.x + r.y) / sum, r.x / sum, r.y / sum);
-        cell.columns = vec3u(column_index(prism, vertices, ij.x, ij.y), column_index(prism, vertices, ij.x + 1u, ij.y),
-            column_index(prism, vertices, ij.x, ij.y + 1u));
+    let f = lambda.yz * f32(n);
+    let i = min(u32(f.x), n - 1u);
+    let j = min(u32(f.y), n - 1u - i);
+    let r = f - vec2f(f32(i), f32(j));
+    let upright = r.x + r.y <= 1.0 || i + j + 1u == n;
+    let prism = (*place).prism;
+    let edges = (*place).edges;
+    if upright {
+        cell.weights = vec3f(max(0.0, 1.0 - r.x - r.y), r);
+        cell.columns = vec3u(column_index(prism, vertices, edges, i, j), column_index(prism, vertices, edges, i + 1u, j),
+            column_index(prism, vertices, edges, i, j + 1u));
     } else {
         cell.weights = vec3f(r.x + r.y - 1.0, 1.0 - r.x, 1.0 - r.y);
-        cell.columns = vec3u(column_index(prism, vertices, ij.x + 1u, ij.y + 1u),
-            column_index(prism, vertices, ij.x, ij.y + 1u), column_index(prism, vertices, ij.x + 1u, ij.y));
+        cell.columns = vec3u(column_index(prism, vertices, edges, i + 1u, j + 1u),
+            column_index(prism, vertices, edges, i, j + 1u), column_index(prism, vertices, edges, i + 1u, j));
     }
     return cell;
 }

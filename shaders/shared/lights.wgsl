@@ -12,7 +12,7 @@ struct Lights {
 }
 
 // Optical depth at which a light counts as blocked.
-const TAU_BLOCKED: f32 = 24.0;
+const TAU_BLOCKED: f32 = 18.0;
 
 // Optical depths are kept as pairs of halves; the slot behind the last light belongs to the eye.
 fn tau_pairs() -> u32 {

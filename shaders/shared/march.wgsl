@@ -27,7 +27,7 @@ fn begin_ray(m: ptr<function, March>, ray: vec3f) {
 
 // Enters the shell through prism `index` at depth z; `phase` in (0, 1] is the length of the first step.
 fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32, z: f32, phase: f32) {
-    enter_prism(place, index);
+    (*place).prism = index;
     (*place).t = 1.0;
     (*m).marching = true;
     (*m).last = false;
@@ -38,7 +38,7 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
 
 // In-scattered radiance per albedo-weighted extinction at the place.
 fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f {
-    let cell = lattice_cell((*place).prism, (*place).vertices, (*place).lambda, (*place).t);
+    let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
     var tau = vec2f(0.0);
     var albedo = vec3f(0.0);
@@ -61,46 +61,24 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f
     return vec4f(sum * albedo, ambient.a);
 }
 
-// Prepares the next step; returns false where the ray has left the shell.
-fn next_step(m: ptr<function, March>, place: ptr<function, Place>) -> bool {
+// Prepares the next step: where it ends, what it holds. Where the ray has left the shell, `marching` becomes false.
+// A step that leaves through the top counts up to there, whether its middle is inside or not.
+fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
     (*m).dz = fur.step / (*m).speed;
-    if (*m).last {
-        (*m).marching = false;
-        return false;
-    }
     let z_mid = (*m).z + 0.5 * dz;
-    let x = frame.eye + z_mid * (*m).ray;
-    let first = (*m).z_end == (*m).z && (*place).t == 1.0;
-    let found = locate(place, x, (*m).ray, select(2u, 4u, first));
+    let found = locate(place, frame.eye + z_mid * (*m).ray, (*m).ray, 2u);
     let t = (*place).t;
     let slope = (*place).dt_dz;
-    if found != INSIDE || t > 1.0 + max(0.0, -slope * dz) || (t > 1.0 && slope > 0.0) || t < 0.0 {
-        // A step that leaves through the top before its middle still counts its part.
-        if found == INSIDE && t > 1.0 && slope > 0.0 {
-            let z_exit = z_mid - (t - 1.0) / slope;
-            if z_exit > (*m).z {
-                (*place).t = 1.0;
-                (*m).z_end = z_exit;
-                (*m).last = true;
-                set_medium(m, place);
-                return true;
-            }
-        }
-        (*m).lost += u32(found == LOST);
-        (*m).marching = false;
-        return false;
-    }
-    (*m).z_end = (*m).z + dz;
-    if slope > 0.0 && t + 0.5 * dz * slope > 1.0 {
-        (*m).z_end = z_mid + (1.0 - t) / slope;
-        (*m).last = true;
-    }
-    set_medium(m, place);
-    return true;
-}
-
-fn set_medium(m: ptr<function, March>, place: ptr<function, Place>) {
+    let climbs = slope > 0.0;
+    let z_top = z_mid + (1.0 - t) / select(slope, 1e-12, abs(slope) < 1e-12);
+    // Above the top is inside while the ray still comes down on it: the first step may begin there by rounding.
+    let inside = found == INSIDE && t >= 0.0 && select(t <= 1.0 + abs(slope) * dz, z_top > (*m).z, climbs) && !(*m).last;
+    (*m).lost += u32(found == LOST && !(*m).last);
+    (*m).marching = inside;
+    (*m).last = climbs && z_top < (*m).z + dz;
+    (*m).z_end = select((*m).z + dz, z_top, (*m).last);
+    (*place).t = min(t, 1.0);
     let medium = medium_at(place);
     let source_density = source_radiance(place, medium, (*m).view);
     (*m).sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;

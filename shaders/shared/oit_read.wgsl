@@ -6,6 +6,7 @@ const BATCH: u32 = 24u;
 struct Batch {
     count: u32,
     more: bool,              // there are nodes behind the batch
+    length: u32,             // of the whole list
     z: array<f32, BATCH>,
     source: array<u32, BATCH>,
     node: array<u32, BATCH>,
@@ -20,8 +21,10 @@ fn node_color(node: u32) -> vec4f {
 fn read_batch(batch: ptr<function, Batch>, sample_index: u32, z_after: f32, source_after: u32) {
     (*batch).count = 0u;
     (*batch).more = false;
+    (*batch).length = 0u;
     var node = fragment_lists[head_word(sample_index)];
     while node != 0u {
+        (*batch).length++;
         let at = node_word(node);
         let z = bitcast<f32>(fragment_lists[at + 1u]);
         let source = fragment_lists[at + 2u];

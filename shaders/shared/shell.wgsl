@@ -16,6 +16,7 @@ struct Place {
     v0: vec3f, w1: vec3f, w2: vec3f,   // extrusion at corner 0 and its differences
     vertices: vec3u,
     neighbours: vec3u,
+    edges: vec3u,
     cell_base: u32,
     subdivision: u32,
 }
@@ -34,6 +35,7 @@ fn enter_prism(place: ptr<function, Place>, index: u32) {
     (*place).w2 = c.normal * c.height - (*place).v0;
     (*place).vertices = prism.vertices;
     (*place).neighbours = prism.neighbours;
+    (*place).edges = prism.edges;
     (*place).cell_base = prism.cell_base;
     (*place).subdivision = prism.subdivision;
 }
@@ -70,26 +72,25 @@ const LOST: u32 = 2u;         // too many hops
 
 // Finds x, hopping from prism to prism over the most negative barycentric coordinate.
 // [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses most rays.
+// The prism is loaded anew each time: a loop body that is entered is paid for by all lanes, so it holds nothing twice.
 fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) -> u32 {
-    solve(place, x, ray, iterations);
+    var index = (*place).prism;
+    var state = LOST;
     for (var hop = 0u; hop < HOP_LIMIT; hop++) {
+        enter_prism(place, index);
+        solve(place, x, ray, iterations);
         let l = (*place).lambda;
         let least = min(l.x, min(l.y, l.z));
-        if least >= -1e-5 {
-            return INSIDE;
-        }
         let next = select(select((*place).neighbours.z, (*place).neighbours.y, l.y == least), (*place).neighbours.x, l.x == least);
-        if next == NONE {
-            // A point on the border wall may lie outside by rounding.
-            if least >= -2e-3 {
-                return INSIDE;
-            }
-            return LEFT_BORDER;
+        // A point on the border wall may lie outside by rounding.
+        let inside = least >= select(-1e-5, -2e-3, next == NONE);
+        if inside || next == NONE {
+            state = select(LEFT_BORDER, INSIDE, inside);
+            break;
         }
-        enter_prism(place, next);
-        solve(place, x, ray, 2u);
+        index = next;
     }
-    return LOST;
+    return state;
 }
 
 // Cell of a subdivided triangle, [Andersen2016] eq. 1 and 2; e_x is the edge opposite corner x, so that the ratio of

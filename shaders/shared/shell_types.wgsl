@@ -12,4 +12,6 @@ struct Prism {
     cell_base: u32,    // index of the first subelement
     neighbours: vec3u, // over the edge opposite each corner, or NONE
     subdivision: u32,  // level d of this prism
+    edges: vec3u,      // numbers of the edges opposite each corner, the same for both triangles at an edge
+    padding: u32,
 }

@@ -30,12 +30,15 @@ struct Fur {
     light_reach: f32,          // top of the lattice in shell heights
     lights: u32,
     columns: u32,              // lattice columns
+    vertices: u32,             // of the skin
+    edges: u32,                // of the skin
     keys: u32,                 // lights looked up one by one in the march
     opacity_cut: f32,          // transmittance under which a ray ends
     virtual_fragments: u32,
     density: f32,              // mean density, 1/cm2
     attenuation: f32,          // a of eq. 4, 1/cm
     key_lights: vec2u,         // their numbers among the lights
+    padding: vec2u,
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,
 }

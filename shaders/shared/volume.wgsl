@@ -14,11 +14,15 @@ fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium
     return evaluate_medium(p, normal, t, hash2((*place).prism, (layer << 16u) | id));
 }
 
+// Whether the volume is stored or evaluated: fixed when the kernel is compiled, for an untaken branch is not free everywhere.
+override STORED: bool = true;
+
 fn medium_at(place: ptr<function, Place>) -> Medium {
     let layer = min(u32(clamp((*place).t, 0.0, 1.0) * f32(fur.layers)), fur.layers - 1u);
     let id = subelement((*place).lambda, (*place).subdivision);
-    if fur.storage == 1u {
+    if STORED {
         return unpack_medium(cells[volume_index(place, layer, id)]);
     }
-    return subelement_medium(place, layer, id);
+    // As it would be stored, so that the image does not depend on it.
+    return unpack_medium(pack_medium(subelement_medium(place, layer, id)));
 }

@@ -175,6 +175,14 @@ impl Kernel {
     /// # Errors
     /// [`Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu, stem: &'static str, entry: &str) -> Result<Self> {
+        Self::specialised(gpu, stem, entry, &[])
+    }
+
+    /// The same with values for the shader's `override` constants.
+    ///
+    /// # Errors
+    /// As [`Kernel::new`].
+    pub fn specialised(gpu: &Gpu, stem: &'static str, entry: &str, constants: &[(&str, f64)]) -> Result<Self> {
         let (compiled, module, info) = compile(gpu, stem)?;
         if !module.entry_points.iter().any(|e| e.name == entry) {
             let known: Vec<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
@@ -193,7 +201,7 @@ impl Kernel {
             layout: Some(&layout),
             module: &compiled,
             entry_point: Some(entry),
-            compilation_options: Default::default(),
+            compilation_options: wgpu::PipelineCompilationOptions { constants, ..Default::default() },
             cache: None,
         });
         gpu.check(stem)?;

@@ -13,7 +13,7 @@ sources![
     "base_raster", "edge_table", "film", "guard_bins", "guard_raster", "guard_shade", "guard_splat", "guard_strands",
     "hair_roots", "light_occlusion", "resolve", "shell_entry", "shell_lattice", "shell_prisms", "undercoat_density",
     "undercoat_light", "undercoat_march", "undercoat_source",
-    "shared/base", "shared/clumps", "shared/column", "shared/coverage", "shared/fibre", "shared/frame", "shared/groom", "shared/groom_types", "shared/index",
+    "shared/base", "shared/clumps", "shared/column", "shared/column_place", "shared/coverage", "shared/fibre", "shared/frame", "shared/groom", "shared/groom_types", "shared/index",
     "shared/lattice", "shared/lights", "shared/march", "shared/noise", "shared/octahedral", "shared/oit", "shared/oit_read",
     "shared/oit_write", "shared/phase", "shared/random", "shared/record", "shared/root_types", "shared/roots", "shared/shell",
     "shared/shell_types", "shared/strands", "shared/undercoat", "shared/undercoat_types", "shared/uv_in_cells", "shared/volume",

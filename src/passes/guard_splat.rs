@@ -29,7 +29,7 @@ impl GuardSplat {
         recorder.dispatch(&self.deposit, scope, u64::from(strands))
     }
 
-    /// Turns `deposits` into `guard_extinction` at `nodes` nodes.
+    /// Turns `deposits` into `lattice_extinction` at `nodes` nodes.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing.

@@ -10,14 +10,15 @@ pub struct Resolve {
 }
 
 impl Resolve {
-    /// Compiles the kernels.
+    /// Compiles the kernels for a volume that is `stored` or evaluated.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
+        let constants = [("STORED", f64::from(u8::from(stored)))];
         Ok(Self {
-            exact: Kernel::new(gpu, "resolve", "exact")?,
-            stored: Kernel::new(gpu, "resolve", "stored")?,
+            exact: Kernel::specialised(gpu, "resolve", "exact", &constants)?,
+            stored: Kernel::specialised(gpu, "resolve", "stored", &constants)?,
         })
     }
 

@@ -1,7 +1,7 @@
 //! Step 2: optical depths from the lattice to the lights.
 
 use crate::Result;
-use crate::gpu::{Gpu, Kernel, Recorder, Scope};
+use crate::gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
 /// Step 2: optical depths from the lattice to the lights.
 pub struct UndercoatLight {
@@ -19,11 +19,26 @@ impl UndercoatLight {
         })
     }
 
-    /// Fills `tau`: `pairs` pairs of lights at each of `nodes` nodes.
+    /// Fills `tau`, level by level from the top: `pairs` pairs of lights at each node of `columns` columns.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing.
-    pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, nodes: u64, pairs: u32) -> Result<()> {
-        recorder.dispatch(&self.main, scope, nodes * u64::from(pairs))
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        columns: u32,
+        levels: u32,
+        pairs: u32,
+    ) -> Result<Vec<Buffer>> {
+        (0..=levels)
+            .rev()
+            .map(|level| {
+                let sweep = gpu.uniform("sweep", &[level, 0, 0, 0])?;
+                recorder.dispatch(&self.main, &scope.with(&[&sweep]), u64::from(columns) * u64::from(pairs))?;
+                Ok(sweep)
+            })
+            .collect()
     }
 }

@@ -9,13 +9,14 @@ pub struct UndercoatMarch {
 }
 
 impl UndercoatMarch {
-    /// Compiles the kernels.
+    /// Compiles the kernels for a volume that is `stored` or evaluated.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
+        let constants = [("STORED", f64::from(u8::from(stored)))];
         Ok(Self {
-            main: Kernel::new(gpu, "undercoat_march", "main")?,
+            main: Kernel::specialised(gpu, "undercoat_march", "main", &constants)?,
         })
     }
 

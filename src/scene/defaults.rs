@@ -82,12 +82,12 @@ impl Default for Guard {
 impl Default for GuardFibre {
     fn default() -> Self {
         Self {
-            intensity: [0.09, 0.25, 0.05],
+            intensity: [0.08, 0.9, 0.06],
             shift: [-7.5, 3.75, 11.25],
             width: [7.5, 6.0, 15.0],
             azimuth_tt: 20.0,
             glint: [0.3, 8.0],
-            diffuse: 0.10,
+            diffuse: 0.7,
         }
     }
 }
