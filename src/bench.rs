@@ -177,7 +177,10 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
     if !options.sweeps.is_empty() {
         let size = options.sizes.first().copied();
         for path in scenes.iter().take(options.scenes.len().max(1)) {
-            let Some(world) = load(path, size.unwrap_or(sweep::SIZE), options.memory, &mut report, print)? else { continue };
+            let Some(world) = load(path, size.unwrap_or(sweep::SIZE), options.memory, &mut report, print)?
+            else {
+                continue;
+            };
             for kind in &options.sweeps {
                 let table = kind.measure(&gpu, &world, &name_of(path), report.runs)?;
                 print(&table.markdown())?;
@@ -301,11 +304,26 @@ impl Column {
         let s = &self.stats;
         let mut text = format!(
             "\n{}, {} x {}, 1 spp, {} ({}): {} triangles, {} strands, {} fragments, {} dropped, {} tile(s), undercoat {}\n\n",
-            self.scene, s.width, s.height, s.fur, s.blend, s.triangles, s.strands, s.fragments, s.fragments_dropped, s.tiles, s.storage
+            self.scene,
+            s.width,
+            s.height,
+            s.fur,
+            s.blend,
+            s.triangles,
+            s.strands,
+            s.fragments,
+            s.fragments_dropped,
+            s.tiles,
+            s.storage
         );
         text += "|   | step                               |    min, ms | median, ms |  paper, ms |   memory, MiB | paper, MiB |\n";
         text += "|---|------------------------------------|-----------:|-----------:|-----------:|--------------:|-----------:|\n";
-        let mut line = |step: &str, name: &str, ms: Option<Times>, paper_ms: Option<f64>, bytes: Option<u64>, gb: Option<f64>| {
+        let mut line = |step: &str,
+                        name: &str,
+                        ms: Option<Times>,
+                        paper_ms: Option<f64>,
+                        bytes: Option<u64>,
+                        gb: Option<f64>| {
             text += &format!(
                 "| {step:1} | {name:34} | {} | {} | {} | {} | {} |\n",
                 cell(ms.map(|t| t.min), 10, 1),
@@ -321,9 +339,23 @@ impl Column {
             line(&row.step.to_string(), &row.name, row.ms, ms, Some(row.bytes), gb);
         }
         let total = paper.map(|p| p.preprocessing_ms + p.online_ms);
-        line("", "pre-processing (1-3)", self.preprocessing_ms, paper.map(|p| p.preprocessing_ms), None, None);
+        line(
+            "",
+            "pre-processing (1-3)",
+            self.preprocessing_ms,
+            paper.map(|p| p.preprocessing_ms),
+            None,
+            None,
+        );
         line("", "online (4-7)", self.online_ms, paper.map(|p| p.online_ms), None, None);
-        line("", "total, total memory", self.total_ms, total, Some(self.total_bytes), paper.map(|p| p.total_gigabytes));
+        line(
+            "",
+            "total, total memory",
+            self.total_ms,
+            total,
+            Some(self.total_bytes),
+            paper.map(|p| p.total_gigabytes),
+        );
         line("", "wall time, most memory at once", Some(self.wall_ms), None, Some(self.peak_bytes), None);
         text
     }

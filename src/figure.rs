@@ -5,13 +5,12 @@
 
 mod panel;
 
-use crate::bench;
 use crate::film::{Film, Metadata, composite, depth_of_field, io};
 use crate::provenance::{Provenance, only_files_missing, repository_path, say, write_json};
 use crate::render::{self, RenderOptions};
 use crate::scene::{FilmSpec, Tonemap};
 use crate::stats::Stats;
-use crate::{Error, Result, Scene, World, gpu::Gpu};
+use crate::{Error, Result, Scene, World, bench, files, gpu::Gpu};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
@@ -23,7 +22,7 @@ const QUICK_DIVISOR: u32 = 6;
 /// What is made.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// The figure, a folder of `paper_figures/`; `None`: list them.
+    /// The figure, a folder of `paper_figures/` or the unique end of its name; `None`: list them.
     pub name: Option<String>,
     /// Folder for the results; `None`: `out/figures/NAME`.
     pub out: Option<PathBuf>,
@@ -124,16 +123,26 @@ impl Figure {
         Ok(names)
     }
 
-    /// Reads the figure called `name`, with its folder.
+    /// Reads the figure called `name`, with its folder, which has the full name. The part after the last hyphens will do where it
+    /// is unique: `fig8` for `andersen2016-fig8`.
     ///
     /// # Errors
     /// [`Error::Usage`] with the known names if there is none of that name, [`Error::Scene`] if its file is not valid.
     pub fn find(name: &str) -> Result<(Self, PathBuf)> {
         let names = Self::names()?;
-        if !names.iter().any(|known| known == name) {
-            return Err(Error::Usage(format!("there is no figure {name:?}; there are {}", names.join(", "))));
-        }
-        let folder = repository_path(FOLDER)?.join(name);
+        let end = format!("-{name}");
+        let ending: Vec<&String> = names.iter().filter(|known| known.ends_with(&end)).collect();
+        let found = match (names.iter().find(|known| *known == name), &ending[..]) {
+            (Some(exact), _) => exact,
+            (None, [only]) => only,
+            _ => {
+                return Err(Error::Usage(format!(
+                    "there is no figure {name:?}; there are {}",
+                    names.join(", ")
+                )));
+            }
+        };
+        let folder = repository_path(FOLDER)?.join(found);
         let path = folder.join("figure.toml");
         let text = std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e))?;
         let figure: Self = toml::from_str(&text).map_err(|e| {
@@ -164,11 +173,12 @@ pub fn run(options: &Options) -> Result<()> {
     let Some(name) = &options.name else {
         for name in Figure::names()? {
             let (figure, _) = Figure::find(&name)?;
-            say(&format!("{name:12} {} ({})\n", figure.title, figure.source))?;
+            say(&format!("{name:22} {} ({})\n", figure.title, figure.source))?;
         }
         return Ok(());
     };
     let (figure, folder) = Figure::find(name)?;
+    let name = &folder.file_name().unwrap_or_default().to_string_lossy().into_owned();
     let out = options.out.clone().unwrap_or_else(|| Path::new("out/figures").join(name));
     std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
     match &figure.table {
@@ -177,7 +187,14 @@ pub fn run(options: &Options) -> Result<()> {
     }
 }
 
-fn make_table(name: &str, figure: &Figure, table: &Table, folder: &Path, out: &Path, quick: bool) -> Result<()> {
+fn make_table(
+    name: &str,
+    figure: &Figure,
+    table: &Table,
+    folder: &Path,
+    out: &Path,
+    quick: bool,
+) -> Result<()> {
     let sizes = if quick { vec![[160, 95]] } else { table.sizes.clone() };
     let options = bench::Options {
         scenes: table.scenes.iter().map(|scene| folder.join(scene)).collect(),
@@ -191,7 +208,7 @@ fn make_table(name: &str, figure: &Figure, table: &Table, folder: &Path, out: &P
         say(part)
     })?;
     let markdown = out.join(format!("{name}.md"));
-    io::write_atomically(&markdown, |file| Ok(std::io::Write::write_all(file, text.as_bytes())?))?;
+    files::write_atomically(&markdown, |file| Ok(std::io::Write::write_all(file, text.as_bytes())?))?;
     write_json(&out.join(format!("{name}.json")), &report)
 }
 
@@ -215,14 +232,24 @@ fn make_panels(name: &str, figure: &Figure, folder: &Path, out: &Path, quick: bo
     for (i, (panel, (world, assets))) in jobs.iter().enumerate() {
         let letter = char::from(b'a' + (i % 26) as u8);
         gpu.ledger.reset_peaks();
-        let mut frame = render::render_on(&gpu, world, &RenderOptions { aovs: true, ..RenderOptions::default() })?;
+        let mut frame =
+            render::render_on(&gpu, world, &RenderOptions { aovs: true, ..RenderOptions::default() })?;
         depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
         composite::over_background(&mut frame.film, &world.scene, assets)?;
         let file = format!("{letter}_{}.exr", file_name(&panel.label));
         let metadata = metadata(&world.scene, &frame.stats);
         io::write(&frame.film, out.join(&file), &metadata, &world.scene.film)?;
-        say(&format!("{letter} {}: {:.2} s, {}\n", panel.label, frame.stats.total_ms / 1e3, out.join(&file).display()))?;
-        pictures.push(panel::Picture::of(&frame.film, &world.scene.film, format!("({letter}) {}", panel.label))?);
+        say(&format!(
+            "{letter} {}: {:.2} s, {}\n",
+            panel.label,
+            frame.stats.total_ms / 1e3,
+            out.join(&file).display()
+        ))?;
+        pictures.push(panel::Picture::of(
+            &frame.film,
+            &world.scene.film,
+            format!("({letter}) {}", panel.label),
+        )?);
         record.panels.push(PanelRecord {
             label: panel.label.clone(),
             file,
@@ -248,14 +275,17 @@ fn load(figure: &Figure, panel: &Panel, folder: &Path, quick: bool) -> Result<Jo
     let divisor = if quick { QUICK_DIVISOR } else { 1 };
     let [width, height] = figure.size.map(|n| (n / divisor).max(1));
     let spp = if quick { 1 } else { figure.spp };
-    let mut overrides = vec![format!("film.width={width}"), format!("film.height={height}"), format!("film.spp={spp}")];
+    let mut overrides =
+        vec![format!("film.width={width}"), format!("film.height={height}"), format!("film.spp={spp}")];
     overrides.extend(panel.set.iter().cloned());
     let job = Scene::load(&folder.join(&panel.scene), &overrides)
         .and_then(|(scene, assets)| Ok((World::load(scene, &assets)?, assets)));
     job.map_err(|e| match e {
         Error::Scene(mut faults) if only_files_missing(&Error::Scene(faults.clone())) => {
             for fault in &mut faults {
-                fault.help.get_or_insert_with(|| "scripts/fetch_assets.sh fetches the bunny and the environment maps".into());
+                fault.help.get_or_insert_with(|| {
+                    "scripts/fetch_assets.sh fetches the bunny and the environment maps".into()
+                });
             }
             Error::Scene(faults)
         }

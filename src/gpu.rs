@@ -27,6 +27,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Whether passes can be timed.
     pub timestamps: bool,
+    /// The adapter is the CPU: passes are timed by the clock, one by one.
+    pub software: bool,
     /// Allocations alive and their peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
@@ -54,7 +56,11 @@ impl Gpu {
         let timestamps = adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pelage"),
-            required_features: if timestamps { wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() },
+            required_features: if timestamps {
+                wgpu::Features::TIMESTAMP_QUERY
+            } else {
+                wgpu::Features::empty()
+            },
             required_limits: limits.clone(),
             ..Default::default()
         }))
@@ -68,14 +74,23 @@ impl Gpu {
             }
         }));
         let seen = faults.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            if let Ok(mut faults) = seen.lock()
-                && !matches!(reason, wgpu::DeviceLostReason::Destroyed)
-            {
+        device.set_device_lost_callback(move |_, message| {
+            if let Ok(mut faults) = seen.lock() {
                 faults.lost = Some(message);
             }
         });
-        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults, passes: Default::default() })
+        let software = info.device_type == wgpu::DeviceType::Cpu;
+        Ok(Self {
+            device,
+            queue,
+            info,
+            limits,
+            timestamps: timestamps || software,
+            software,
+            ledger: Arc::default(),
+            faults,
+            passes: Default::default(),
+        })
     }
 
     /// All passes, for densities that are stored or evaluated; compiled at the first call, so that further renderings on this

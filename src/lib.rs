@@ -7,6 +7,7 @@ pub mod cli;
 pub mod compare;
 pub mod error;
 pub mod figure;
+pub mod files;
 pub mod film;
 pub mod gpu;
 pub mod groom;

@@ -100,7 +100,7 @@ pub(crate) fn say(text: &str) -> Result<()> {
 /// # Errors
 /// [`Error::Io`].
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    crate::film::io::write_atomically(path, |file| {
+    crate::files::write_atomically(path, |file| {
         serde_json::to_writer_pretty(&mut *file, value)?;
         Ok(file.write_all(b"\n")?)
     })

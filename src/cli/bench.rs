@@ -4,7 +4,7 @@ use super::args;
 use crate::{
     Result,
     bench::{self, sweep::Sweep},
-    film::io,
+    files,
 };
 use clap::Args;
 use std::{num::NonZeroU32, path::PathBuf};
@@ -33,7 +33,7 @@ pub(super) struct BenchArgs {
 
 pub(super) fn run(args: &BenchArgs) -> Result<()> {
     if let Some(path) = &args.json {
-        io::check_target(path)?;
+        files::check_target(path)?;
     }
     bench::run(&bench::Options {
         scenes: args.scenes.clone(),

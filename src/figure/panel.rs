@@ -30,7 +30,8 @@ impl Picture {
                 let alpha = a.clamp(0.0, 1.0);
                 let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
                 // The codes that a PNG of this film alone has.
-                let [r, g, b] = display_rgb8(straight, spec).map(|code| alpha * srgb_decode(f32::from(code) / 255.0));
+                let [r, g, b] =
+                    display_rgb8(straight, spec).map(|code| alpha * srgb_decode(f32::from(code) / 255.0));
                 over([r, g, b, alpha], WHITE)
             })
             .collect();
@@ -70,7 +71,8 @@ impl Sheet {
     /// Writes at most `most` characters of `text` in black, 8 x 8 dots each, a dot `scale` pixels wide.
     fn write(&mut self, text: &str, [x, y]: [usize; 2], most: usize, scale: usize) {
         for (i, c) in text.chars().take(most).enumerate() {
-            let glyph = font8x8::BASIC_FONTS.get(c).or_else(|| font8x8::BASIC_FONTS.get('?')).unwrap_or_default();
+            let glyph =
+                font8x8::BASIC_FONTS.get(c).or_else(|| font8x8::BASIC_FONTS.get('?')).unwrap_or_default();
             for (row, bits) in glyph.iter().enumerate() {
                 for column in (0..8).filter(|bit| bits >> bit & 1 == 1) {
                     for dot in 0..scale * scale {
@@ -97,7 +99,10 @@ mod tests {
 
     #[test]
     fn pictures_stand_side_by_side_with_their_labels() {
-        let sheet = assemble(&[grey(40, 20, "(a) x"), grey(40, 20, "(b) y"), grey(40, 20, "far too long a label")], 2);
+        let sheet = assemble(
+            &[grey(40, 20, "(a) x"), grey(40, 20, "(b) y"), grey(40, 20, "far too long a label")],
+            2,
+        );
         assert_eq!((sheet.width, sheet.height), (2 * 40 + 3 * 4, 2 * (20 + 14) + 3 * 4));
         let red = sheet.plane("R").unwrap();
         let at = |x: usize, y: usize| red[y * sheet.width as usize + x];
