@@ -56,11 +56,7 @@ impl Gpu {
         let timestamps = adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY);
         let (device, queue) = pollster::block_on(adapter.request_device(&wgpu::DeviceDescriptor {
             label: Some("pelage"),
-            required_features: if timestamps {
-                wgpu::Features::TIMESTAMP_QUERY
-            } else {
-                wgpu::Features::empty()
-            },
+            required_features: if timestamps { wgpu::Features::TIMESTAMP_QUERY } else { wgpu::Features::empty() },
             required_limits: limits.clone(),
             ..Default::default()
         }))
@@ -109,7 +105,12 @@ impl Gpu {
 
     /// An error if the device reported one since the last call; `during` names the pass.
     pub fn check(&self, during: &str) -> Result<()> {
-        let mut faults = self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let faults = || self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if !faults().errors.is_empty() {
+            // What is done with a lost device fails in many ways; that it is lost may be told only now.
+            self.device.poll(wgpu::PollType::Poll).ok();
+        }
+        let mut faults = faults();
         if let Some(reason) = faults.lost.clone() {
             return Err(Error::DeviceLost { during: during.into(), reason });
         }

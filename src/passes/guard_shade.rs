@@ -14,7 +14,9 @@ impl GuardShade {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "guard_shade", "main")? })
+        Ok(Self {
+            main: Kernel::new(gpu, "guard_shade", "main")?,
+        })
     }
 
     /// Fills `shades` for `strands` strands.

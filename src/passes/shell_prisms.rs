@@ -28,14 +28,7 @@ impl ShellPrisms {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing, [`crate::Error::OutOfMemory`] without room.
-    pub fn record(
-        &self,
-        gpu: &Gpu,
-        recorder: &mut Recorder<'_>,
-        scope: &Scope<'_>,
-        vertices: u32,
-        triangles: u32,
-    ) -> Result<[Buffer; 2]> {
+    pub fn record(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, scope: &Scope<'_>, vertices: u32, triangles: u32) -> Result<[Buffer; 2]> {
         let counts = gpu.uniform("counts", &[vertices, triangles, 0, 0])?;
         let reach = gpu.upload("reach", 1, &vec![f32::MAX; vertices as usize])?;
         let scope = scope.with(&[&counts, &reach]);
