@@ -72,7 +72,12 @@ fn pieces(world: &World, hair: &HairFile, thicker: f64) -> Vec<Piece> {
             let ((a, size_a), (b, size_b)) = (project(points[k]), project(points[k + 1]));
             let radius = |k: usize, size: f64| 0.5 * f64::from(hair.thickness[first + k]) * thicker * size;
             let opacity = |k: usize| 1.0 - f64::from(hair.transparency[first + k]);
-            all.push(Piece { a, b, radius: [radius(k, size_a), radius(k + 1, size_b)], opacity: [opacity(k), opacity(k + 1)] });
+            all.push(Piece {
+                a,
+                b,
+                radius: [radius(k, size_a), radius(k + 1, size_b)],
+                opacity: [opacity(k), opacity(k + 1)],
+            });
         }
     }
     all
@@ -136,7 +141,10 @@ fn mean_opacity_is_that_of_an_independent_sampler() {
     let ours = rendered(&world);
     let witness = sampled(&world, &pieces(&world, &hair, 1.0));
     let thicker = sampled(&world, &pieces(&world, &hair, 1.1));
-    println!("{} strands: image {ours:.5}, witness {witness:.5}, 10 % thicker {thicker:.5}", hair.segments.len());
+    println!(
+        "{} strands: image {ours:.5}, witness {witness:.5}, 10 % thicker {thicker:.5}",
+        hair.segments.len()
+    );
     assert!(ours > 0.1 && ours < 0.8, "{ours}: too little or too much to tell anything");
     assert!((ours / witness - 1.0).abs() < 0.01, "image {ours}, witness {witness}");
     // The check sees hairs that are 10 % too thick.

@@ -56,19 +56,28 @@ fn a_figure_from_end_to_end() {
     let folder = Folder::new();
     let place = folder.path().join("paper_figures/small");
     std::fs::create_dir_all(&place).unwrap();
-    let panel = |label: &str, fur: &str| format!("[[panels]]\nlabel = {label:?}\nscene = \"scene.toml\"\nset = [\"render.fur={fur}\"]\n");
+    let panel = |label: &str, fur: &str| {
+        format!("[[panels]]\nlabel = {label:?}\nscene = \"scene.toml\"\nset = [\"render.fur={fur}\"]\n")
+    };
     let head = "title = \"Small\"\nsource = \"nobody\"\ncolumns = 2\nsize = [288, 180]\nspp = 4\n";
-    std::fs::write(place.join("figure.toml"), head.to_owned() + &panel("guard hairs", "explicit") + &panel("skin", "base")).unwrap();
+    std::fs::write(
+        place.join("figure.toml"),
+        head.to_owned() + &panel("guard hairs", "explicit") + &panel("skin", "base"),
+    )
+    .unwrap();
     let scene = "[mesh]\nshape = \"pyramid\"\n[camera]\neye = [0, 6, 30]\n[[lights]]\n[guard]\ndensity = 4\n";
     std::fs::write(place.join("scene.toml"), scene).unwrap();
     let run = command().current_dir(folder.path()).args(["figure", "small", "--quick"]).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
     let out = folder.path().join("out/figures/small");
-    let mut names: Vec<_> =
-        std::fs::read_dir(&out).unwrap().map(|e| e.unwrap().file_name().to_string_lossy().into_owned()).collect();
+    let mut names: Vec<_> = std::fs::read_dir(&out)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
     names.sort();
     assert_eq!(names, ["a_guard_hairs.exr", "b_skin.exr", "small.json", "small.png"]);
-    let record: Value = serde_json::from_str(&std::fs::read_to_string(out.join("small.json")).unwrap()).unwrap();
+    let record: Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("small.json")).unwrap()).unwrap();
     assert_eq!(record["panels"][0]["stats"]["fur"], "explicit");
     assert_eq!(record["panels"][1]["file"], "b_skin.exr");
     assert!(record["provenance"]["adapter"].as_str().is_some_and(|s| !s.is_empty()));
@@ -81,5 +90,9 @@ fn a_figure_from_end_to_end() {
     std::fs::write(&broken, "title = \"x\"\nsource = \"y\"\npanel = 3\n").unwrap();
     let run = command().current_dir(folder.path()).args(["figure", "small"]).output().unwrap();
     assert_eq!(run.status.code(), Some(3));
-    assert!(String::from_utf8_lossy(&run.stderr).contains("figure.toml:3"), "{}", String::from_utf8_lossy(&run.stderr));
+    assert!(
+        String::from_utf8_lossy(&run.stderr).contains("figure.toml:3"),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
 }
