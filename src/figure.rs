@@ -146,7 +146,7 @@ impl Figure {
         let path = folder.join("figure.toml");
         let text = std::fs::read_to_string(&path).map_err(|e| Error::io(&path, e))?;
         let figure: Self = toml::from_str(&text).map_err(|e| {
-            let line = e.span().map_or(0, |span| text[..span.start].lines().count().max(1));
+            let line = e.span().map_or(0, |span| text[..span.start].matches('\n').count() + 1);
             Error::fault_at(&path, line, e.message())
         })?;
         figure.check().map_err(|message| Error::fault(&path, message))?;
