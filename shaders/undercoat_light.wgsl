@@ -79,6 +79,9 @@ fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
 // Longest way to the next level that is taken in two steps, in steps of the full march.
 const CLIMB_LIMIT: f32 = 6.0;
 
+// Cosine to the shell's direction below which a descending ray counts as blocked.
+const STEEP: f32 = -0.5;
+
 fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, behind: bool) -> f32 {
     var place = *start;
     solve(&place, x, w, 0u);
@@ -105,6 +108,10 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
             }
             return min(TAU_BLOCKED, sum + known_tau(&place, light));
         }
+    }
+    // Steeply down through the fur: only the thinnest limb would let it out again.
+    if slope * fur.height < STEEP {
+        return TAU_BLOCKED;
     }
     place = *start;
     return select(march_out(&place, x, w), TAU_BLOCKED, behind);

@@ -1,16 +1,22 @@
 //! Steps 1 to 3: everything that does not depend on the tile: shell, volume, light and, where they fit, the strands.
 
+mod lattice;
+mod occluders;
+mod surface;
+
 use crate::gpu::recorder::Timings;
 use crate::gpu::{Buffer, Gpu, Recorder, Scope};
 use crate::groom::{self, PackedGroom};
-use crate::layout::{BvhNode, Column, Frame, Fur, Root, ShellVertex};
+use crate::layout::{Frame, Fur, Root};
 use crate::passes::Passes;
 use crate::passes::hair_roots::HairRoots;
 use crate::scene::Storage;
 use crate::skin::NONE;
-use crate::{Error, Result, Skin, World};
-use glam::Vec3;
+use crate::{Error, Result, World};
+use lattice::{Lattice, number_edges};
+use occluders::bvh;
 use std::sync::Arc;
+use surface::{corner_uv, skin_vertices, subdivide, vertex_uv};
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {
@@ -113,7 +119,7 @@ impl<'g> Prepared<'g> {
         {
             let inputs = [
                 gpu.upload("triangles", 1, bytemuck::cast_slice::<[u32; 3], u32>(&skin.triangles))?,
-                gpu.upload("skin_vertices", 1, &skin_vertices(skin))?,
+                gpu.upload("skin_vertices", 1, &skin_vertices(skin, fur.height))?,
                 gpu.upload("vertex_uv", 1, &vertex_uv(skin))?,
                 gpu.upload("subdivisions", 1, &subdivisions)?,
                 gpu.upload("edge_numbers", 1, bytemuck::cast_slice::<[u32; 3], u32>(&edge_numbers))?,
@@ -340,208 +346,4 @@ fn upload_lights(gpu: &Gpu, lights: &[crate::layout::Light]) -> Result<Buffer> {
     let mut all = [<crate::layout::Light as bytemuck::Zeroable>::zeroed(); groom::MAX_LIGHTS];
     all[..lights.len()].copy_from_slice(lights);
     gpu.uniform("lights", &all)
-}
-
-fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
-    match &skin.corner_uv {
-        Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),
-        None => vec![[0.0; 2]; 3 * skin.triangles.len()],
-    }
-}
-
-/// uv of any corner at each vertex.
-fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
-    let mut of_vertex = vec![[0.0; 2]; skin.positions.len()];
-    if let Some(uv) = &skin.corner_uv {
-        for (triangle, uv) in skin.triangles.iter().zip(uv) {
-            for k in 0..3 {
-                of_vertex[triangle[k] as usize] = uv[k].to_array();
-            }
-        }
-    }
-    of_vertex
-}
-
-fn skin_vertices(skin: &Skin) -> Vec<ShellVertex> {
-    (0..skin.positions.len())
-        .map(|i| {
-            let c = skin.colors.get(i).copied().unwrap_or(Vec3::ONE);
-            let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-            ShellVertex {
-                position: skin.positions[i].into(),
-                height: 0.0,
-                normal: skin.normals[i].into(),
-                color: r | (g << 8) | (b << 16) | (255 << 24),
-            }
-        })
-        .collect()
-}
-
-/// Level d and first subelement of each prism, and the number of subelements.
-///
-/// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
-/// nothing pops. [Andersen2016] sec. 3 calls this dynamic resolution and does not state its criterion.
-pub fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
-    let coat = &world.scene.undercoat;
-    let layers = u64::from(coat.layers);
-    let mut base = 0u64;
-    let of_triangle = (0..skin.triangles.len())
-        .map(|t| {
-            let [a, b, c] = skin.corners(t);
-            let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            let wanted = (longest / coat.cell.max(1e-4)).max(1.0).log2().ceil() as u32;
-            let d = coat.subdivision.unwrap_or(wanted.min(6));
-            let first = base;
-            if has_coat {
-                base += layers << (2 * d);
-            }
-            // Past 32 bits the volume is evaluated, and the number is only a label.
-            [d, first as u32]
-        })
-        .collect();
-    (of_triangle, base)
-}
-
-/// Size of the light lattice.
-struct Lattice {
-    edge: u32,
-    levels: u32,
-    reach: f32,
-}
-
-impl Lattice {
-    /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
-    fn plan(skin: &Skin, world: &World, fur: &Fur, room: u64) -> Self {
-        /// Wanted distance of columns, cm.
-        const SPACING: f32 = 0.2;
-        /// Wanted distance of levels in mean free paths of the undercoat.
-        const LEVEL_PATHS: f32 = 4.0;
-        let guard = &world.scene.guard;
-        let reach = if groom::has_guard(&world.scene) {
-            (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
-        } else {
-            1.0
-        };
-        let mean_area = (skin.area() / skin.triangles.len().max(1) as f64) as f32;
-        let mean_edge = (mean_area * 2.309).sqrt();
-        let path = if fur.extinction > 0.0 { 1.0 / fur.extinction } else { fur.height / 4.0 };
-        let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
-        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(6, 20);
-        let bytes = |edge: u32, levels: u32| {
-            // Half an area of the grid's triangles for each of its points.
-            let columns = skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
-            columns * u64::from(levels + 1) * u64::from((fur.lights + 2) / 2).max(4) * 4
-        };
-        while bytes(edge, levels) > room && edge > 1 {
-            edge -= 1;
-        }
-        while bytes(edge, levels) > room && levels > 4 {
-            levels -= 1;
-        }
-        Self { edge, levels, reach }
-    }
-
-    /// Column at barycentric `(n - i - j, i, j) / n` of triangle `t`; the twin of `column_index` in `shared/lattice.wgsl`.
-    fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
-        let n = self.edge;
-        let v = skin.triangles[t];
-        let vertices = skin.positions.len() as u32;
-        let on_edge = |edge: u32, a: u32, b: u32, k: u32| {
-            vertices + edge * (n - 1) + if a < b { k } else { n - k } - 1
-        };
-        let column = match (i, j) {
-            (0, 0) => v[0],
-            (i, _) if i == n => v[1],
-            (_, j) if j == n => v[2],
-            (i, 0) => on_edge(edge_numbers[t][2], v[0], v[1], i),
-            (0, j) => on_edge(edge_numbers[t][1], v[0], v[2], j),
-            (i, j) if i + j == n => on_edge(edge_numbers[t][0], v[1], v[2], j),
-            (i, j) => {
-                let inner = (n - 1) * (n - 2) / 2;
-                vertices + edges * (n - 1) + t as u32 * inner + (j - 1) * (n - 1) - (j - 1) * j / 2 + i - 1
-            }
-        };
-        column as usize
-    }
-
-    /// The columns: where they stand and their share of the skin's area.
-    fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
-        let n = self.edge;
-        let inner = (n - 1) * n.saturating_sub(2) / 2;
-        let count = skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;
-        let mut columns = vec![<Column as bytemuck::Zeroable>::zeroed(); count];
-        for t in 0..skin.triangles.len() {
-            let share = skin.triangle_area(t) / (n * n) as f32 / 3.0;
-            let mut add = |i: u32, j: u32| {
-                let column = &mut columns[self.column(skin, edge_numbers, edges, t, i, j)];
-                column.prism = t as u32;
-                column.grid = i | (j << 16);
-                column.area += share;
-            };
-            for j in 0..n {
-                for i in 0..n - j {
-                    for (i, j) in [(i, j), (i + 1, j), (i, j + 1)] {
-                        add(i, j);
-                    }
-                    if i + j + 2 <= n {
-                        for (i, j) in [(i + 1, j + 1), (i, j + 1), (i + 1, j)] {
-                            add(i, j);
-                        }
-                    }
-                }
-            }
-        }
-        columns
-    }
-}
-
-/// Numbers of the edges opposite each corner, the same from both sides, and how many there are.
-fn number_edges(skin: &Skin) -> (Vec<[u32; 3]>, u32) {
-    let mut known = std::collections::HashMap::with_capacity(2 * skin.triangles.len());
-    let numbers = skin
-        .triangles
-        .iter()
-        .map(|v| {
-            [0, 1, 2].map(|k| {
-                let (a, b) = (v[(k + 1) % 3], v[(k + 2) % 3]);
-                let next = known.len() as u32;
-                *known.entry((a.min(b), a.max(b))).or_insert(next)
-            })
-        })
-        .collect();
-    (numbers, known.len() as u32)
-}
-
-/// A BVH over the skin's triangles as the shader reads it, built by obvhs.
-fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
-    use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
-    let triangles: Vec<Triangle> = (0..skin.triangles.len())
-        .map(|t| {
-            let [v0, v1, v2] = skin.corners(t).map(|p| glam::Vec3A::from(p));
-            Triangle { v0, v1, v2 }
-        })
-        .collect();
-    // Coincident triangles make the builder recurse deeply.
-    let built = std::thread::scope(|scope| {
-        std::thread::Builder::new()
-            .stack_size(256 << 20)
-            .spawn_scoped(scope, || {
-                build_bvh2_from_tris(&triangles, BvhBuildParams::fast_build(), &mut Default::default())
-            })
-            .map(std::thread::ScopedJoinHandle::join)
-    });
-    let Ok(Ok(tree)) = built else {
-        return (vec![<BvhNode as bytemuck::Zeroable>::zeroed()], vec![0]);
-    };
-    let nodes = tree
-        .nodes
-        .iter()
-        .map(|node| BvhNode {
-            low: node.aabb().min.into(),
-            first: node.first_index,
-            high: node.aabb().max.into(),
-            count: node.prim_count,
-        })
-        .collect();
-    (nodes, tree.primitive_indices)
 }

@@ -8,13 +8,23 @@ fn field(p: vec3f, frequency: f32) -> f32 {
     return simplex3(p * frequency);
 }
 
+// Locks of combed fur are longer than wide: the noise is stretched along the lean.
+fn combed(p: vec3f) -> vec3f {
+    let along = dot(fur.lean, fur.lean);
+    return p - fur.lean * (dot(fur.lean, p) * 0.65 / max(along, 1e-12));
+}
+
 // Density relative to the mean: hairs end at their own heights, which makes cones of the clumps, and grow thinner. `p` is where the
 // skin's point lies in the noise domain, `jittered` the same for the finer noise.
 fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
     let lean = fur.lean * (fur.height * t);
-    let top = 1.0 - fur.height_variation * (0.5 + 0.5 * field(p - lean + 17.3, fur.height_frequency));
+    // Hairs join to locks, locks to clumps: a finer octave for what is seen near, a coarser one for the heights.
+    let locks = field(combed(jittered - lean) * 2.6 + 5.1, fur.noise_frequency);
+    let clumps = field(combed(jittered - lean), fur.noise_frequency);
+    let swells = field(p - lean + 17.3, fur.height_frequency);
+    let top = 1.0 - fur.height_variation * (0.5 + 0.3 * swells + 0.2 * locks);
     let alive = 1.0 - smoothstep(top - 0.25, top + 0.02, t);
-    let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * field(jittered - lean, fur.noise_frequency);
+    let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks);
     return max(0.0, clump) * alive * mix(1.0, fur.diameter_ratio, t);
 }
 
