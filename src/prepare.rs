@@ -38,6 +38,8 @@ pub struct Prepared<'g> {
     pub subelements: u64,
     /// All strands, where they fit the budget.
     pub resident: Option<Strands>,
+    /// Where they do not: ranges of triangles whose roots are made again for each tile.
+    pub batches: Vec<RootBatch>,
     /// Bytes that strands may take.
     pub strand_budget: u64,
     buffers: Vec<Buffer>,
@@ -175,6 +177,7 @@ impl<'g> Prepared<'g> {
             strands: 0,
             subelements: cells,
             resident: None,
+            batches: Vec::new(),
             strand_budget,
             buffers: made,
         };
@@ -204,6 +207,9 @@ impl<'g> Prepared<'g> {
                 if single {
                     self.resident = Some(strands);
                 }
+            }
+            if !single {
+                self.batches = batches;
             }
         }
         let mut recorder = Recorder::new(gpu);
@@ -279,7 +285,19 @@ impl<'g> Prepared<'g> {
     }
 
     /// Makes the strands of a range of triangles.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn grow(&self, batch: &RootBatch, timings: &mut Timings) -> Result<Strands> {
+        let roots = self.roots(batch, timings)?;
+        self.grow_from(roots, batch.strands as u32, timings)
+    }
+
+    /// Makes the roots of a range of triangles.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
+    pub fn roots(&self, batch: &RootBatch, timings: &mut Timings) -> Result<Buffer> {
         let gpu = self.gpu;
         let triangles = batch.counts.len() as u32;
         let first_roots: Vec<u32> = batch
@@ -291,20 +309,20 @@ impl<'g> Prepared<'g> {
                 Some(first)
             })
             .collect();
-        let count = batch.strands as u32;
-        let roots = gpu.storage("roots", 3, u64::from(count) * std::mem::size_of::<Root>() as u64)?;
-        {
-            let range = HairRoots::batch(gpu, batch.first, triangles, batch.density, batch.seed)?;
-            let firsts = gpu.upload("first_roots", 1, &first_roots)?;
-            let mut recorder = Recorder::new(gpu);
-            let scope = self.scope().with(&[&range, &firsts, &roots]);
-            self.passes.hair_roots.record_emit(&mut recorder, &scope, triangles)?;
-            recorder.submit(timings)?;
-        }
-        self.grow_from(roots, count, timings)
+        let roots = gpu.storage("roots", 3, batch.strands * std::mem::size_of::<Root>() as u64)?;
+        let range = HairRoots::batch(gpu, batch.first, triangles, batch.density, batch.seed)?;
+        let firsts = gpu.upload("first_roots", 1, &first_roots)?;
+        let mut recorder = Recorder::new(gpu);
+        let scope = self.scope().with(&[&range, &firsts, &roots]);
+        self.passes.hair_roots.record_emit(&mut recorder, &scope, triangles)?;
+        recorder.submit(timings)?;
+        Ok(roots)
     }
 
-    /// Makes the strands of `count` roots.
+    /// Makes the strands of the first `count` of `roots`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn grow_from(&self, roots: Buffer, count: u32, timings: &mut Timings) -> Result<Strands> {
         let gpu = self.gpu;
         let vertices = u64::from(count) * (u64::from(self.segments) + 1);
@@ -319,6 +337,9 @@ impl<'g> Prepared<'g> {
     }
 
     /// Shades strands from the finished light.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
     pub fn shade(&self, strands: &Strands, timings: &mut Timings) -> Result<()> {
         let mut recorder = Recorder::new(self.gpu);
         self.passes.guard_shade.record(&mut recorder, &strands.scope(&self.scope()), strands.count)?;

@@ -15,7 +15,7 @@ use bytemuck::Zeroable;
 /// Bytes a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
 const SAMPLE_BYTES: u64 = 16 + 4 + 32 + 4 + 4;
 /// Bytes of a fragment in the lists.
-pub const FRAGMENT_BYTES: u64 = 20;
+pub const NODE_BYTES: u64 = 20;
 /// Fragments a sample that a tile is sized for.
 const EXPECTED_FRAGMENTS: u64 = 8;
 /// Smallest edge of a tile in pixels; a tile that small that still does not fit is an error.
@@ -71,16 +71,22 @@ impl<'a> Tiles<'a> {
         let planes = if aovs { 20 } else { 4 };
         let budget = scene.render.memory;
         let used = gpu.ledger.current();
-        let per_sample = SAMPLE_BYTES + EXPECTED_FRAGMENTS * FRAGMENT_BYTES;
+        // A pixel is held twice while it is read back.
+        let sample_bytes = SAMPLE_BYTES + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
+        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * NODE_BYTES;
         // Bins, staging and pixels need some room too.
-        let reserve = prepared.strands * 6 + (8 << 20);
+        let strands = match &prepared.resident {
+            Some(_) => prepared.strands * 6,
+            None => prepared.strand_budget.min(prepared.strands * crate::prepare::strand_bytes(prepared.segments) + prepared.strands * 20),
+        };
+        let reserve = strands + (8 << 20);
         let room = budget.saturating_sub(used + reserve);
         let smallest = u64::from(SMALLEST * plan.grid + 2 * plan.reach).pow(2) * per_sample;
         if room < smallest {
             return Err(Error::OutOfMemory { pass: "resolve".into(), needed: used + reserve + smallest });
         }
         let list_limit = gpu.binding_limit();
-        let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * FRAGMENT_BYTES)).min(list_limit / 32);
+        let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * NODE_BYTES)).min(list_limit / 32);
         let most_edge = (most as f64).sqrt() as u32;
         let wanted = scene.render.tile.unwrap_or(2048).max(SMALLEST * plan.grid);
         let samples_edge = most_edge.min(wanted + 2 * plan.reach).min(4096).min(gpu.limits.max_texture_dimension_2d);
@@ -89,9 +95,9 @@ impl<'a> Tiles<'a> {
         let edge = edge.min(scene.film.width.max(scene.film.height));
         let extent = [edge.min(scene.film.width), edge.min(scene.film.height)].map(|e| e * plan.grid + 2 * plan.reach);
         let samples = u64::from(extent[0]) * u64::from(extent[1]);
-        let list_bytes = (room.saturating_sub(samples * (SAMPLE_BYTES - 4))).min(list_limit).max(samples * 4 + 64);
+        let list_bytes = (room.saturating_sub(samples * (sample_bytes - 4))).min(list_limit).max(samples * 4 + 64);
         // More than a few hundred fragments a sample are never needed.
-        let list_bytes = list_bytes.min(samples * (4 + 400 * FRAGMENT_BYTES));
+        let list_bytes = list_bytes.min(samples * (4 + 400 * NODE_BYTES));
         let buffers = vec![
             gpu.storage("base_records", 5, samples * 16)?,
             gpu.storage("fragment_lists", 6, list_bytes)?,
@@ -241,7 +247,7 @@ impl<'a> Tiles<'a> {
         }
         self.stats.tiles_retried += 1;
         if job.size[0] <= SMALLEST && job.size[1] <= SMALLEST {
-            return Err(Error::OutOfMemory { pass: "resolve".into(), needed: outcome.fragments * FRAGMENT_BYTES });
+            return Err(Error::OutOfMemory { pass: "resolve".into(), needed: outcome.fragments * NODE_BYTES });
         }
         let half = job.size.map(|s| s.div_ceil(2).max(1));
         for y in [0, half[1]] {
@@ -270,7 +276,7 @@ impl<'a> Tiles<'a> {
         let samples = u64::from(size[0]) * u64::from(size[1]);
         let count = u64::from(job.size[0]) * u64::from(job.size[1]);
         let lists = self.buffer("fragment_lists");
-        let capacity = (lists.size / 4 - 1 - samples) / (FRAGMENT_BYTES / 4);
+        let capacity = (lists.size / 4 - 1 - samples) / (NODE_BYTES / 4);
         let pixels = gpu.storage("pixels", 7, count * u64::from(self.planes) * 4)?;
         let targets = RasterTargets { ids: &self.ids, depth: &self.depth, size };
         let exact = marches_in_resolve(scene.render.blend);
@@ -337,13 +343,37 @@ impl<'a> Tiles<'a> {
         Ok(Outcome { fragments, capacity: u64::MAX, pixels: data, rays_lost, longest })
     }
 
-    /// Step 6 for a tile.
+    /// Step 6 for a tile: from the bins of the resident strands, or from strands grown for it.
     fn rasterise(&self, job: &Job, scope: &Scope<'_>, timings: &mut Timings) -> Result<()> {
-        let (Some(strands), Some(bins)) = (&self.prepared.resident, &self.bins) else {
-            return Ok(());
-        };
-        let range = (bins.starts[job.bin as usize], bins.counts[job.bin as usize]);
-        self.rasterise_bin(strands, &bins.list, range, scope, timings)
+        if let (Some(strands), Some(bins)) = (&self.prepared.resident, &self.bins) {
+            let range = (bins.starts[job.bin as usize], bins.counts[job.bin as usize]);
+            return self.rasterise_bin(strands, &bins.list, range, scope, timings);
+        }
+        let gpu = self.prepared.gpu;
+        let guard = &self.world.scene.guard;
+        let longest = 1.3 * guard.length.max() + 2.0 * (guard.curl.max() + guard.frizz.max()) + guard.clump.max() / guard.clump_density.max(1e-6).sqrt();
+        for batch in &self.prepared.batches {
+            let roots = self.prepared.roots(batch, timings)?;
+            let count = batch.strands as u32;
+            let range = gpu.uniform("batch", &[count, 0, 0, 0])?;
+            let tiles = gpu.uniform("tiles", &[0, 0, 1, 1, 1, 1, 4f32.to_bits(), longest.to_bits()])?;
+            let counts = gpu.storage("bin_counts", 6, 16)?;
+            let list = gpu.storage("bins", 6, u64::from(count) * 4)?;
+            let mut picked = gpu.storage("tile_roots", 3, u64::from(count) * 16)?;
+            let mut recorder = Recorder::new(gpu);
+            let gather = scope.with(&[&roots, &range, &tiles, &counts, &list, &picked]);
+            self.prepared.passes.guard_bins.record_gather(&mut recorder, &gather, count)?;
+            recorder.submit(timings)?;
+            drop(roots);
+            let found = gpu.read::<u32>(&counts, 4)?.first().copied().unwrap_or(0);
+            if found > 0 {
+                picked.name = "roots";
+                let strands = self.prepared.grow_from(picked, found, timings)?;
+                self.prepared.shade(&strands, timings)?;
+                self.rasterise_bin(&strands, &list, (0, found), scope, timings)?;
+            }
+        }
+        Ok(())
     }
 
     fn rasterise_bin(
