@@ -5,7 +5,7 @@ mod strands;
 mod tile;
 
 pub use strands::strands;
-pub use tile::NODE_BYTES as FRAGMENT_BYTES;
+pub use tile::FRAGMENT_BYTES;
 
 use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;
