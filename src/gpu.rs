@@ -31,6 +31,9 @@ pub struct Gpu {
     faults: Arc<Mutex<Faults>>,
 }
 
+/// How long a read-back may be outstanding once the device is idle.
+const READ_BACK_PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
+
 /// What the device reported outside any error scope.
 #[derive(Default)]
 struct Faults {
@@ -165,17 +168,27 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&buffer.raw, 0, &staging.raw, 0, size);
         self.queue.submit([encoder.finish()]);
-        let (sender, done) = std::sync::mpsc::channel();
+        let result = Arc::new(Mutex::new(None));
+        let done = result.clone();
         staging.raw.map_async(wgpu::MapMode::Read, 0..size, move |r| {
-            // Nobody waits any more where the device was lost meanwhile.
-            let _ = sender.send(r);
+            if let Ok(mut slot) = done.lock() {
+                *slot = Some(r);
+            }
         });
         self.wait(buffer.name)?;
-        // Another thread that waits on the same device may be the one that runs the callback, a moment later.
-        match done.recv_timeout(std::time::Duration::from_secs(10)) {
-            Ok(Ok(())) => {}
-            Ok(Err(e)) => return Err(Error::gpu(buffer.name, e)),
-            Err(_) => {
+        // Another thread that polls the device may be the one that runs the callback, and not be done with it.
+        let taken = || result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
+        let started = std::time::Instant::now();
+        let mut mapped = taken();
+        while mapped.is_none() && started.elapsed() < READ_BACK_PATIENCE {
+            std::thread::sleep(std::time::Duration::from_millis(1));
+            self.wait(buffer.name)?;
+            mapped = taken();
+        }
+        match mapped {
+            Some(Ok(())) => {}
+            Some(Err(e)) => return Err(Error::gpu(buffer.name, e)),
+            None => {
                 return Err(Error::DeviceLost {
                     during: buffer.name.into(),
                     reason: "a read-back never came".into(),

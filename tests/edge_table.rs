@@ -3,15 +3,15 @@
 #[path = "common/gpu.rs"]
 mod gpu;
 
-use gpu::{Fixture, jittered_grid, skin, world_on};
 use glam::Vec3;
+use gpu::{Fixture, jittered_grid, skin, world_on};
+use pelage::Skin;
 use pelage::mesh::topology;
 use pelage::reference::edge_table::neighbours;
 use pelage::skin::NONE;
-use pelage::Skin;
 use proptest::prelude::*;
 
-const SCENE: &str = "[mesh]\nshape = \"plane\"\n[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
+const SCENE: &str = "[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
 
 /// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding, a triangle twice.
 fn meshes() -> Vec<(&'static str, Skin)> {

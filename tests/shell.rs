@@ -5,12 +5,12 @@ mod gpu;
 
 use glam::Vec3;
 use gpu::{Fixture, jittered_grid, world_on};
+use pelage::Skin;
 use pelage::layout::{Prism, ShellVertex};
 use pelage::mesh::topology;
 use pelage::reference::hash::{random, random_direction};
 use pelage::reference::shell::{Located, Place, Shell, most_negative, subelement, subelement_centroid};
 use pelage::skin::NONE;
-use pelage::Skin;
 use proptest::prelude::*;
 
 /// A shell over a skin, as high everywhere as `height` says.
@@ -26,7 +26,11 @@ fn shell_of(skin: &Skin, height: impl Fn(usize) -> f32) -> Shell {
     Shell {
         vertices: (0..skin.positions.len()).map(vertex).collect(),
         prisms: prisms
-            .map(|(vertices, neighbours)| Prism { vertices: *vertices, cell_base: 0, neighbours, subdivision: 0 })
+            .map(|(vertices, neighbours)| Prism {
+                vertices: *vertices,
+                neighbours,
+                ..bytemuck::Zeroable::zeroed()
+            })
             .collect(),
         corner_uv: vec![[0.0; 2]; 3 * skin.triangles.len()],
         light_reach: 1.0,
@@ -74,7 +78,11 @@ fn subelements_are_numbered_as_in_the_paper() {
         let near = |k: usize| Vec3::splat(0.001) + 0.997 * Vec3::AXES[k];
         assert_eq!([0, 1, 2].map(|k| subelement(near(k), d)), [0, (n - 1) * (n - 1), n * n - 1]);
     }
-    let place = Place { cell_base: 10 * 8 * 16, subdivision: 2, ..shell_of(&jittered_grid(1, 0.0), |_| 1.0).enter(0) };
+    let place = Place {
+        cell_base: 10 * 8 * 16,
+        subdivision: 2,
+        ..shell_of(&jittered_grid(1, 0.0), |_| 1.0).enter(0)
+    };
     assert_eq!(place.volume_index(3, 5), 1333);
 }
 
@@ -101,7 +109,10 @@ fn rounding_at_grid_vertices_stays_in_range() {
                 outside += i32::from(!(0..ids).contains(&unclamped(lambda, d)));
                 // The cell holds the point but for rounding.
                 let i = subelement_centroid(id, d);
-                assert!((i - lambda).abs().max_element() < 1.01 * 2.0 / 3.0 / n as f32 + 1e-5, "d {d} {lambda}: {id}");
+                assert!(
+                    (i - lambda).abs().max_element() < 1.01 * 2.0 / 3.0 / n as f32 + 1e-5,
+                    "d {d} {lambda}: {id}"
+                );
             }
         }
     }
@@ -263,7 +274,7 @@ struct Answer {
 #[test]
 fn the_gpu_finds_the_same_places() {
     let Some(gpu) = gpu::open() else { return };
-    let scene = "[mesh]\nshape = \"plane\"\n[undercoat]\nheight = 0.3\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n";
+    let scene = "[undercoat]\nheight = 0.3\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n";
     let fixture = Fixture::new(gpu, world_on(scene, Some(jittered_grid(8, 0.25)), Vec::new()));
     let shell = &fixture.shell;
     let queries: Vec<Query> = (0..5000u32)
@@ -278,22 +289,28 @@ fn the_gpu_finds_the_same_places() {
     let buffer = |name| fixture.prepared.buffer(name).unwrap();
     let more = [(1, buffer("shell_vertices")), (2, buffer("prisms")), (3, buffer("fur"))];
     let answers: Vec<Answer> = gpu::evaluate(gpu, CODE, &more, &queries, queries.len());
-    let mut elsewhere = 0;
+    let (mut elsewhere, mut outside) = (0, 0);
     for (i, (query, answer)) in queries.iter().zip(&answers).enumerate() {
         let wanted = subelement_centroid(i as u32 & 4095, 6);
         assert!((Vec3::from(answer.centroid) - wanted).abs().max_element() < 1e-6, "centroid {i}");
         let mut place = shell.enter(query.prism);
         place.t = query.t;
         let found = shell.locate(&mut place, query.point.into(), query.ray.into(), 6);
-        // Far outside the shell Newton's steps are cut off: no root, no agreement. Rounding may send a point near an edge another way.
-        if answer.prism != place.prism || answer.found != found as u32 || !(-0.3..1.3).contains(&place.t) {
-            elsewhere += 1;
+        if !(-0.3..1.3).contains(&place.t) {
+            outside += 1; // Newton's steps are cut off there: no root, no agreement.
+            continue;
+        }
+        if answer.prism != place.prism || answer.found != found as u32 {
+            elsewhere += 1; // Rounding may send a point near an edge another way.
             continue;
         }
         gpu::close(answer.t, place.t, 1e-4, format!("t {i}"));
         gpu::close(answer.dt_dz, place.dt_dz, 1e-3, format!("slope {i}"));
-        assert!((Vec3::from(answer.lambda) - place.lambda).abs().max_element() < 1e-3, "{i}: {answer:?} {place:?}");
+        assert!(
+            (Vec3::from(answer.lambda) - place.lambda).abs().max_element() < 1e-3,
+            "{i}: {answer:?} {place:?}"
+        );
         assert!(answer.id < 1024 && subelement(answer.lambda.into(), 5) == answer.id, "cell {i}");
     }
-    assert!(elsewhere < 1000, "{elsewhere} of {} points end elsewhere", queries.len());
+    assert!(elsewhere < 5 && outside < 1000, "{elsewhere} points end elsewhere, {outside} outside");
 }

@@ -132,7 +132,7 @@ pub fn shade(
     triangle: u32,
     xy: [u32; 2],
 ) -> Base {
-    let place = shell.enter(triangle);
+    let mut place = shell.enter(triangle);
     let n = place.e1.cross(place.e2);
     let ray = sample_ray(frame, xy);
     let z = (place.p0 - Vec3::from(frame.eye)).dot(n) / ray.dot(n);
@@ -140,7 +140,8 @@ pub fn shade(
     let l1 = a.cross(place.e2).dot(n) / n.dot(n);
     let l2 = place.e1.cross(a).dot(n) / n.dot(n);
     let lambda = Vec3::new(1.0 - l1 - l2, l1, l2);
-    let cell = lattice::cell(fur, triangle, place.vertices, lambda, 0.0);
+    place.lambda = lambda;
+    let cell = lattice::cell(fur, &place);
     let light = |column: u32| {
         let [rg, b] = base_light[column as usize];
         Vec3::from([rg as u16, (rg >> 16) as u16, b as u16].map(|h| f16::from_bits(h).to_f32()))

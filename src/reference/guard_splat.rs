@@ -1,8 +1,9 @@
-//! Twin of `shaders/guard_splat.wgsl`: what the guard hairs take from the light at the nodes of the light lattice.
+//! Twin of `shaders/guard_splat.wgsl`: what stands in the way of the light at the nodes of the light lattice.
 
-use super::lattice::{self, column_spot, node_index};
+use super::lattice::{self, node_index, node_place};
 use super::shell::{Located, Shell};
 use super::strands::{position, radius};
+use super::undercoat::Undercoat;
 use crate::layout::{Column, Fur, Root};
 
 /// Deposits a segment.
@@ -28,7 +29,7 @@ pub fn deposits(
             if shell.locate(&mut place, x, d, 3) != Located::Inside {
                 break;
             }
-            let cell = lattice::cell(fur, place.prism, place.vertices, place.lambda, place.t);
+            let cell = lattice::cell(fur, &place);
             total += f64::from(amount);
             for (column, weight) in cell.columns.into_iter().zip(cell.weights.to_array()) {
                 let node = node_index(fur, column, cell.level) as usize;
@@ -40,26 +41,26 @@ pub fn deposits(
     (nodes, total)
 }
 
-/// Volume that each node stands for, cm3.
-pub fn volumes(shell: &Shell, fur: &Fur, columns: &[Column]) -> Vec<f32> {
-    let mut volumes = Vec::with_capacity(columns.len() * (fur.levels as usize + 1));
-    for (i, column) in columns.iter().enumerate() {
-        let (prism, lambda) = column_spot(fur, i as u32, column.corner);
-        let place = shell.enter(prism);
-        let height = place.extrusion(lambda).length() * fur.light_reach / fur.levels as f32;
-        let flat = place.e1.cross(place.e2).length().max(1e-20);
-        for level in 0..=fur.levels {
-            let t = level as f32 / fur.levels as f32 * fur.light_reach;
-            let raised = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2).length();
-            // The end nodes stand for half a cell.
-            let cells = if level == 0 || level == fur.levels { 0.5 } else { 1.0 };
-            volumes.push((column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9));
-        }
-    }
-    volumes
+/// Volume that a node stands for, cm3.
+pub fn volume(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> f32 {
+    let (place, _) = node_place(shell, fur, column, level);
+    let t = place.t;
+    let flat = place.e1.cross(place.e2).length().max(1e-20);
+    let raised = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2).length();
+    let height = place.extrusion(place.lambda).length() * fur.light_reach / fur.levels as f32;
+    // The end nodes stand for half a cell.
+    let cells = if level == 0 || level == fur.levels { 0.5 } else { 1.0 };
+    (column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9)
 }
 
-/// Extinction of the guard hairs at the nodes, 1/cm.
-pub fn extinction(deposits: &[f64], volumes: &[f32]) -> Vec<f32> {
-    deposits.iter().zip(volumes).map(|(d, v)| *d as f32 / v).collect()
+/// Extinction at a node, 1/cm: that of the undercoat seen square, and that of guard hairs that deposited `deposit` cm2.
+pub fn extinction(coat: &Undercoat<'_>, column: &Column, level: u32, deposit: f64) -> [f32; 2] {
+    let fur = coat.fur;
+    let guard = deposit as f32 / volume(coat.shell, fur, column, level);
+    let (place, _) = node_place(coat.shell, fur, column, level);
+    if place.t > 1.0 {
+        return [0.0, guard];
+    }
+    let p = coat.domain_point(&place, place.lambda);
+    [fur.extinction * column.density * coat.clump_density(p, p, place.t), guard]
 }

@@ -1,6 +1,7 @@
-//! Twin of `shaders/shared/lattice.wgsl` and `shaders/shared/column.wgsl`: the light lattice.
+//! Twin of `shaders/shared/{lattice,column,column_place,record}.wgsl`: the light lattice.
 
-use crate::layout::Fur;
+use super::shell::{Place, Shell};
+use crate::layout::{Column, Fur};
 use glam::{Vec2, Vec3};
 
 /// The lattice cell that holds a place: three columns, two levels.
@@ -16,43 +17,50 @@ pub struct Cell {
     pub fraction: f32,
 }
 
-/// Columns of a triangle in a lattice of `n` cells along an edge.
-pub fn columns_per_triangle(n: u32) -> u32 {
-    (n + 1) * (n + 2) / 2
+/// Grid point k of edge number `edge` from vertex a to b, counted from a: its column.
+fn edge_column(fur: &Fur, edge: u32, a: u32, b: u32, k: u32) -> u32 {
+    let from_smaller = if a < b { k } else { fur.lattice - k };
+    fur.vertices + edge * (fur.lattice - 1) + from_smaller - 1
 }
 
-/// Column `(i, j)` of a prism: row j counts from the edge between corners 0 and 1.
-pub fn column_index(fur: &Fur, prism: u32, vertices: [u32; 3], i: u32, j: u32) -> u32 {
-    if fur.lattice == 1 {
-        return vertices[if j == 1 { 2 } else { i as usize }];
+/// Column at barycentric (n - i - j, i, j) / n of a place's triangle: first come those at the skin's vertices, then those within its
+/// edges, then those within its triangles.
+pub fn column_index(fur: &Fur, place: &Place, i: u32, j: u32) -> u32 {
+    let n = fur.lattice;
+    let [a, b, c] = place.vertices;
+    match (i, j) {
+        (0, 0) => a,
+        (i, _) if i == n => b,
+        (_, j) if j == n => c,
+        (i, 0) => edge_column(fur, place.edges[2], a, b, i),
+        (0, j) => edge_column(fur, place.edges[1], a, c, j),
+        (i, j) if i + j == n => edge_column(fur, place.edges[0], b, c, j),
+        (i, j) => {
+            let of_triangle = (n - 1) * (n - 2) / 2;
+            let before: u32 = (1..j).map(|row| n - 1 - row).sum();
+            fur.vertices + fur.edges * (n - 1) + place.prism * of_triangle + before + i - 1
+        }
     }
-    let before: u32 = (0..j).map(|row| fur.lattice + 1 - row).sum();
-    prism * columns_per_triangle(fur.lattice) + before + i
 }
 
-/// The cell of a place; `t` in shell heights.
-pub fn cell(fur: &Fur, prism: u32, vertices: [u32; 3], lambda: Vec3, t: f32) -> Cell {
-    let height = (t / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
+/// The cell of a place.
+pub fn cell(fur: &Fur, place: &Place) -> Cell {
+    let height = (place.t / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
     let level = (height as u32).min(fur.levels - 1);
     let fraction = height - level as f32;
+    let inside = place.lambda.max(Vec3::ZERO);
+    let lambda = inside / (inside.x + inside.y + inside.z);
     let n = fur.lattice;
     if n == 1 {
-        let inside = lambda.max(Vec3::ZERO);
-        let weights = inside / (inside.x + inside.y + inside.z);
-        return Cell { columns: vertices, weights, level, fraction };
+        return Cell { columns: place.vertices, weights: lambda, level, fraction };
     }
-    let f = Vec2::new(lambda.y, lambda.z).clamp(Vec2::ZERO, Vec2::ONE) * n as f32;
-    let j = (f.y as u32).min(n - 1);
-    // Points on the far edge belong to the last upright cell of their row.
-    let i = (f.x as u32).min(n - 1 - j);
-    let r = (f - Vec2::new(i as f32, j as f32)).clamp(Vec2::ZERO, Vec2::ONE);
-    let column = |i, j| column_index(fur, prism, vertices, i, j);
-    let (columns, weights) = if r.x + r.y <= 1.0 || i + j + 2 > n {
-        let sum = (r.x + r.y).max(1.0);
-        (
-            [column(i, j), column(i + 1, j), column(i, j + 1)],
-            Vec3::new(1.0 - (r.x + r.y) / sum, r.x / sum, r.y / sum),
-        )
+    let f = Vec2::new(lambda.y, lambda.z) * n as f32;
+    let i = (f.x as u32).min(n - 1);
+    let j = (f.y as u32).min(n - 1 - i);
+    let r = f - Vec2::new(i as f32, j as f32);
+    let column = |i, j| column_index(fur, place, i, j);
+    let (columns, weights) = if r.x + r.y <= 1.0 || i + j + 1 == n {
+        ([column(i, j), column(i + 1, j), column(i, j + 1)], Vec3::new((1.0 - r.x - r.y).max(0.0), r.x, r.y))
     } else {
         (
             [column(i + 1, j + 1), column(i, j + 1), column(i + 1, j)],
@@ -67,22 +75,24 @@ pub fn node_index(fur: &Fur, column: u32, level: u32) -> u32 {
     column * (fur.levels + 1) + level
 }
 
-/// Where a column stands: prism and barycentric coordinates. `corner` is 3 x triangle + corner where the columns are
-/// the skin's vertices.
-pub fn column_spot(fur: &Fur, column: u32, corner: u32) -> (u32, Vec3) {
-    if fur.lattice == 1 {
-        return (corner / 3, Vec3::AXES[(corner % 3) as usize]);
-    }
-    let n = fur.lattice;
-    let prism = column / columns_per_triangle(n);
-    let mut i = column % columns_per_triangle(n);
-    let mut j = 0;
-    while i > n - j {
-        i -= n - j + 1;
-        j += 1;
-    }
-    let (l1, l2) = (i as f32 / n as f32, j as f32 / n as f32);
-    (prism, Vec3::new(1.0 - l1 - l2, l1, l2))
+/// Barycentric coordinates of a column in its triangle.
+pub fn column_lambda(fur: &Fur, column: &Column) -> Vec3 {
+    let n = fur.lattice as f32;
+    let (l1, l2) = ((column.grid & 0xffff) as f32 / n, (column.grid >> 16) as f32 / n);
+    Vec3::new(1.0 - l1 - l2, l1, l2)
+}
+
+/// Height above the skin of a level, in shell heights.
+pub fn level_height(fur: &Fur, level: u32) -> f32 {
+    level as f32 / fur.levels as f32 * fur.light_reach
+}
+
+/// The place of a node, and its position, cm.
+pub fn node_place(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> (Place, Vec3) {
+    let mut place = shell.enter(column.prism);
+    place.lambda = column_lambda(fur, column);
+    place.t = level_height(fur, level);
+    (place, place.point(place.t, place.lambda))
 }
 
 /// Words of packed optical depths at a node: two lights a word, the slot behind the last light is the eye's.

@@ -1,15 +1,14 @@
 //! Twin of `shaders/light_occlusion.wgsl`: which lights the skin blocks, with every triangle tried in double precision.
 
-use super::lattice::column_spot;
+use super::lattice::node_place;
 use super::shell::Shell;
 use crate::layout::{Column, Fur, Light};
 use glam::{DVec3, Vec3};
 
 /// Where a column's shadow rays start, cm: at the top of the light lattice, a little above the skin in any case.
-pub fn origin(shell: &Shell, fur: &Fur, column: u32, corner: u32) -> Vec3 {
-    let (prism, lambda) = column_spot(fur, column, corner);
-    let place = shell.enter(prism);
-    place.point(fur.light_reach, lambda) + place.e1.cross(place.e2).normalize() * 1e-3
+pub fn origin(shell: &Shell, fur: &Fur, column: &Column) -> Vec3 {
+    let (place, top) = node_place(shell, fur, column, fur.levels);
+    top + place.e1.cross(place.e2).normalize() * 1e-3
 }
 
 /// Ray parameter at which a ray meets a triangle in front of its origin. Edges belong to the triangle.
@@ -35,16 +34,10 @@ pub fn blocked(shell: &Shell, origin: Vec3, ray: Vec3) -> bool {
     })
 }
 
-/// One bit a light for each column.
-pub fn bits(shell: &Shell, fur: &Fur, lights: &[Light], columns: &[Column]) -> Vec<u64> {
-    columns
-        .iter()
-        .enumerate()
-        .map(|(i, column)| {
-            let origin = origin(shell, fur, i as u32, column.corner);
-            (0..fur.lights as usize)
-                .filter(|j| blocked(shell, origin, lights[*j].direction.into()))
-                .fold(0, |bits, j| bits | (1 << j))
-        })
-        .collect()
+/// One bit a light that the skin keeps from a column.
+pub fn bits(shell: &Shell, fur: &Fur, lights: &[Light], column: &Column) -> u64 {
+    let origin = origin(shell, fur, column);
+    (0..fur.lights as usize)
+        .filter(|j| blocked(shell, origin, lights[*j].direction.into()))
+        .fold(0, |bits, j| bits | (1 << j))
 }

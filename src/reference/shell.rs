@@ -47,6 +47,8 @@ pub struct Place {
     pub vertices: [u32; 3],
     /// Neighbours over the edges opposite the corners.
     pub neighbours: [u32; 3],
+    /// Numbers of the edges opposite the corners, the same from both sides.
+    pub edges: [u32; 3],
     /// First subelement.
     pub cell_base: u32,
     /// Level d.
@@ -84,6 +86,7 @@ impl Shell {
             w2: Vec3::from(c.normal) * c.height - v0,
             vertices: prism.vertices,
             neighbours: prism.neighbours,
+            edges: prism.edges,
             cell_base: prism.cell_base,
             subdivision: prism.subdivision,
         }
@@ -132,8 +135,8 @@ impl Shell {
         iterations: u32,
         edge: impl Fn(&Place, Vec3) -> usize,
     ) -> Located {
-        self.solve(place, x, ray, iterations);
         for _ in 0..HOP_LIMIT {
+            self.solve(place, x, ray, iterations);
             let least = place.lambda.min_element();
             if least >= -1e-5 {
                 return Located::Inside;
@@ -144,7 +147,6 @@ impl Shell {
                 return if least >= -2e-3 { Located::Inside } else { Located::LeftBorder };
             }
             self.hop(place, next);
-            self.solve(place, x, ray, 2);
         }
         Located::Lost
     }

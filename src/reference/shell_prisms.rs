@@ -5,27 +5,27 @@ use crate::Skin;
 use glam::{Vec2, Vec3};
 
 /// Height that the groom wants over a vertex, cm. `color` has eight bits a channel, as the GPU keeps it.
-fn wanted_height(skin: &Skin, maps: &Maps<'_>, vertex_uv: &[[f32; 2]], v: usize) -> f32 {
+fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]], v: usize) -> f32 {
     let color = skin.colors.get(v).copied().unwrap_or(Vec3::ONE);
     let at = SkinPoint {
         position: skin.positions[v],
-        normal: skin.normals[v],
+        normal: normals[v],
         uv: Vec2::from(vertex_uv[v]),
         color: (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round() / 255.0,
     };
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)
 }
 
-/// Heights of the shell over the vertices, cm: as wanted, but lower where a prism would keep less than a tenth of its
+/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a tenth of its
 /// area at the top; never below a fifth.
-pub fn heights(skin: &Skin, maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
+pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     let wanted: Vec<f32> =
-        (0..skin.positions.len()).map(|v| wanted_height(skin, maps, vertex_uv, v)).collect();
+        (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect();
     let mut heights = wanted.clone();
     for triangle in &skin.triangles {
         let part = (0..9)
             .map(|step| 1.0 - 0.1 * step as f32)
-            .find(|part| part_of_area(skin, triangle, &wanted, *part) > 0.1)
+            .find(|part| part_of_area(skin, normals, triangle, &wanted, *part) > 0.1)
             .unwrap_or(1.0 - 0.1 * 8.0);
         for v in triangle.map(|v| v as usize) {
             heights[v] = heights[v].min(part * wanted[v]);
@@ -35,10 +35,9 @@ pub fn heights(skin: &Skin, maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32>
 }
 
 /// Signed area of a triangle extruded by `part` of the heights, as a part of its own; negative where it turned over.
-pub fn part_of_area(skin: &Skin, triangle: &[u32; 3], heights: &[f32], part: f32) -> f32 {
+pub fn part_of_area(skin: &Skin, normals: &[Vec3], triangle: &[u32; 3], heights: &[f32], part: f32) -> f32 {
     let p = triangle.map(|v| skin.positions[v as usize]);
-    let q =
-        triangle.map(|v| skin.positions[v as usize] + part * heights[v as usize] * skin.normals[v as usize]);
+    let q = triangle.map(|v| skin.positions[v as usize] + part * heights[v as usize] * normals[v as usize]);
     let n = (p[1] - p[0]).cross(p[2] - p[0]);
     (q[1] - q[0]).cross(q[2] - q[0]).dot(n) / n.dot(n)
 }

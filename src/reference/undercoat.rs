@@ -88,22 +88,50 @@ impl Undercoat<'_> {
         }
     }
 
+    /// Locks of combed fur are longer than wide: the noise is stretched along the lean.
+    fn combed(&self, p: Vec3) -> Vec3 {
+        let lean = Vec3::from(self.fur.lean);
+        p - lean * (lean.dot(p) * 0.65 / lean.dot(lean).max(1e-12))
+    }
+
+    /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
+    pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
+        let fur = self.fur;
+        let lean = Vec3::from(fur.lean) * (fur.height * t);
+        let combed = self.combed(jittered - lean);
+        let locks = self.field(combed * 2.6 + 5.1, fur.noise_frequency);
+        let clumps = self.field(combed, fur.noise_frequency);
+        let swells = self.field(p - lean + 17.3, fur.height_frequency);
+        // Hairs end at their own heights, which makes cones of the clumps.
+        let top = 1.0 - fur.height_variation * (0.5 + 0.3 * swells + 0.2 * locks);
+        let alive = 1.0 - smoothstep(top - 0.25, top + 0.02, t);
+        let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks);
+        let taper = 1.0 + (fur.diameter_ratio - 1.0) * t;
+        clump.max(0.0) * alive * taper
+    }
+
     /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
     pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
         let fur = self.fur;
-        let lean = Vec3::from(fur.lean);
         let h = hash2(id, fur.seed);
         let growth = t.powf(fur.jitter_exponent);
-        let leant = lean * (fur.height * t);
         let offset = 2.0 * Vec3::new(random(h, 0), random(h, 1), random(h, 2)) - 1.0;
-        let jittered = p + fur.uv_jitter * growth * offset - leant;
-        let unevenness = 0.5 + 0.5 * self.field(p - leant + 17.3, fur.height_frequency);
-        let top = 1.0 - fur.height_variation * unevenness;
-        let alive = 1.0 - smoothstep(top - 0.18, top + 0.02, t);
-        let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * self.field(jittered, fur.noise_frequency);
-        let taper = 1.0 + (fur.diameter_ratio - 1.0) * t;
+        let jittered = p + fur.uv_jitter * growth * offset;
         let turn = fur.tangent_jitter * growth * random_direction(h, 3);
-        Medium { density: clump.max(0.0) * alive * taper, tangent: (normal + lean * t + turn).normalize() }
+        Medium {
+            density: self.clump_density(p, jittered, t),
+            tangent: (normal + Vec3::from(fur.lean) * t + turn).normalize(),
+        }
+    }
+
+    /// Point of the noise's domain below barycentric coordinates of the place's prism: on the skin, cm, or uv.
+    pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
+        if self.fur.noise_domain == 1 {
+            let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
+            (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
+        } else {
+            place.point(0.0, l)
+        }
     }
 
     /// Medium of the subelement `id` of `layer` in the place's prism, evaluated.
@@ -111,13 +139,7 @@ impl Undercoat<'_> {
         let l = subelement_centroid(id, place.subdivision);
         let t = (layer as f32 + 0.5) / self.fur.layers as f32;
         let normal = place.extrusion(l).normalize();
-        let p = if self.fur.noise_domain == 1 {
-            let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
-            (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
-        } else {
-            place.point(0.0, l)
-        };
-        self.evaluate(p, normal, t, hash2(place.prism, (layer << 16) | id))
+        self.evaluate(self.domain_point(place, l), normal, t, hash2(place.prism, (layer << 16) | id))
     }
 
     /// Medium at a place: of its subelement.
@@ -126,7 +148,8 @@ impl Undercoat<'_> {
         let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
         let id = subelement(place.lambda, place.subdivision);
         if self.cells.is_empty() {
-            self.subelement(place, layer, id)
+            // As it would be stored, so that the image does not depend on it.
+            unpack_medium(pack_medium(self.subelement(place, layer, id)))
         } else {
             unpack_medium(self.cells[place.volume_index(layer, id) as usize])
         }

@@ -1,0 +1,115 @@
+//! `guard_bins` against its twin: each tile has the strands that touch it, each once.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+
+use gpu::{Fixture, Tile, jittered_grid, scaled, world_on};
+use pelage::gpu::Recorder;
+use pelage::gpu::recorder::Timings;
+use pelage::layout::Root;
+use pelage::reference::guard_bins::{Tiles, touched};
+use pelage::reference::guard_raster::segment;
+
+const FILM: [u32; 2] = [150, 100];
+
+fn fixture(gpu: &'static pelage::gpu::Gpu, camera: &str) -> Fixture {
+    let scene = format!(
+        "[camera]\n{camera}\n[guard]\ndensity = 8\nlength = 0.8\nsegments = 5\n[render]\nfur = \"explicit\"\n"
+    );
+    Fixture::new(gpu, world_on(&scene, Some(scaled(jittered_grid(5, 0.2), 1.0, 5.0)), Vec::new()))
+}
+
+/// Strands by tile, sorted, as the GPU finds them.
+fn bins(fixture: &Fixture, tile: &Tile, tiles: &Tiles) -> Vec<Vec<u32>> {
+    let p = &fixture.prepared;
+    let strands = p.resident.as_ref().unwrap();
+    let [w, h] = tiles.grid;
+    let n = u64::from(w * h);
+    let [x, y] = tiles.origin.map(|o| o as u32);
+    let uniform = p
+        .gpu
+        .uniform("tiles", &[x, y, tiles.size[0], tiles.size[1], w, h, tiles.margin.to_bits(), 0])
+        .unwrap();
+    let counts = p.gpu.storage("bin_counts", 6, n * 4).unwrap();
+    let run = |list: Option<(&pelage::gpu::Buffer, &pelage::gpu::Buffer)>| {
+        let mut recorder = Recorder::new(p.gpu);
+        recorder.clear(&counts, n * 4);
+        let scope = strands.scope(&tile.scope(fixture)).with(&[&uniform, &counts]);
+        match list {
+            None => p.passes.guard_bins.record_count(&mut recorder, &scope, strands.count).unwrap(),
+            Some((starts, list)) => {
+                let scope = scope.with(&[starts, list]);
+                p.passes.guard_bins.record_fill(&mut recorder, &scope, strands.count).unwrap();
+            }
+        }
+        recorder.submit(&mut Timings::default()).unwrap();
+    };
+    run(None);
+    let sizes: Vec<u32> = p.gpu.read(&counts, n * 4).unwrap();
+    let firsts: Vec<u32> = sizes.iter().scan(0, |sum, c| Some(std::mem::replace(sum, *sum + c))).collect();
+    let total: u32 = sizes.iter().sum();
+    let starts = p.gpu.upload("bin_starts", 6, &firsts).unwrap();
+    let list = p.gpu.storage("bins", 6, u64::from(total) * 4).unwrap();
+    run(Some((&starts, &list)));
+    let all: Vec<u32> = p.gpu.read(&list, u64::from(total) * 4).unwrap();
+    let of = |(first, size): (&u32, &u32)| {
+        let mut bin = all[*first as usize..][..*size as usize].to_vec();
+        bin.sort_unstable();
+        bin
+    };
+    firsts.iter().zip(&sizes).map(of).collect()
+}
+
+#[test]
+fn bins_are_those_of_the_twin() {
+    let Some(gpu) = gpu::open() else { return };
+    let cases = [
+        ("eye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40", [32, 32], [5, 4]),
+        // Seen from among the hairs: some cross the near plane.
+        ("eye = [2.5, 0.5, 2.5]\ntarget = [5, 0.2, 2.5]\nnear = 0.3\nfov = 60", [25, 50], [6, 2]),
+    ];
+    for (camera, size, grid) in cases {
+        let fixture = fixture(gpu, camera);
+        let tile = Tile::new(&fixture, FILM, [0, 0], FILM, 16);
+        let tiles = Tiles { origin: [0, 0], size, grid, margin: 3.0 };
+        let found = bins(&fixture, &tile, &tiles);
+        let vertices = fixture.strand_vertices();
+        let mut wanted = vec![Vec::new(); found.len()];
+        for (i, strand) in vertices.chunks(fixture.prepared.segments as usize + 1).enumerate() {
+            touched(&tile.frame, &tiles, strand).iter().for_each(|t| wanted[*t as usize].push(i as u32));
+        }
+        let entries: usize = wanted.iter().map(Vec::len).sum();
+        assert!(entries > 100, "{entries}");
+        // A strand on the very edge of a tile's reach may fall on either side.
+        let differ: usize = found
+            .iter()
+            .zip(&wanted)
+            .map(|(a, b)| {
+                a.iter().filter(|s| !b.contains(s)).count() + b.iter().filter(|s| !a.contains(s)).count()
+            })
+            .sum();
+        assert!(differ * 500 <= entries, "{camera}: {differ} of {entries}");
+    }
+}
+
+#[test]
+fn every_fragment_lies_in_a_tile_that_has_its_strand() {
+    let Some(gpu) = gpu::open() else { return };
+    let fixture = fixture(gpu, "eye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40");
+    let tile = Tile::new(&fixture, FILM, [0, 0], FILM, 16);
+    let tiles = Tiles { origin: [0, 0], size: [16, 16], grid: [10, 7], margin: 0.0 };
+    let segments = fixture.prepared.segments as usize;
+    let roots: Vec<Root> = fixture.read("roots", fixture.strands());
+    let vertices = fixture.strand_vertices();
+    let shown = vec![[0u32; 2]; segments + 1];
+    let found = bins(&fixture, &tile, &tiles);
+    let mut fragments = 0;
+    for (i, (strand, root)) in vertices.chunks(segments + 1).zip(&roots).enumerate() {
+        for f in (0..segments).flat_map(|k| segment(&tile.frame, strand, &shown, root.seed, k)) {
+            let bin = f.xy[1] / 16 * 10 + f.xy[0] / 16;
+            assert!(found[bin as usize].contains(&(i as u32)), "strand {i} at {:?}", f.xy);
+            fragments += 1;
+        }
+    }
+    assert!(fragments > 1000, "{fragments}");
+}
