@@ -15,6 +15,7 @@ use crate::skin::NONE;
 use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
 use occluders::bvh;
+use std::sync::Arc;
 use surface::{corner_uv, skin_vertices, subdivide, vertex_uv};
 
 /// A skin with its fur on the GPU.
@@ -22,7 +23,7 @@ pub struct Prepared<'g> {
     /// The device.
     pub gpu: &'g Gpu,
     /// The kernels.
-    pub passes: Passes,
+    pub passes: Arc<Passes>,
     /// Undercoat and lattice parameters as uploaded.
     pub fur: Fur,
     /// Segments a strand.
@@ -60,6 +61,11 @@ impl Strands {
     /// `scope` with `batch`, `roots`, `strand_vertices` and `shades` added.
     pub fn scope<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
         scope.with(&self.buffers.iter().collect::<Vec<_>>())
+    }
+
+    /// Vertices of all strands, `segments + 1` each: position, then radius and opacity as the shader packs them.
+    pub(crate) fn vertices(&self) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == "strand_vertices")
     }
 }
 
@@ -104,7 +110,7 @@ impl<'g> Prepared<'g> {
             Storage::Evaluated => false,
         };
         fur.storage = u32::from(stored);
-        let passes = Passes::new(gpu, stored)?;
+        let passes = gpu.passes(stored)?;
         let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
@@ -251,7 +257,7 @@ impl<'g> Prepared<'g> {
     }
 
     /// Counts the roots of all triangles and cuts them into ranges whose strands fit the budget.
-    fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
+    pub(crate) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
         let density = world.scene.guard.density.max();
         let seed = world.scene.render.seed;
