@@ -29,7 +29,7 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
     let medium = Attenuator { undercoat: lit.undercoat(), densities: &lit.densities, guard: &guard };
     let light = lit.lattice();
     let (mut sum, mut absolute, mut count) = (0f64, 0f64, 0);
-    for column in (0..fur.columns).filter(|c| hash2(*c, 1) % 8 == 0) {
+    for column in (0..fur.columns).filter(|c| hash2(*c, 1).is_multiple_of(8)) {
         for level in 0..=fur.levels {
             let place = lit.place(column, level);
             let x = place.point(place.t, place.lambda);
