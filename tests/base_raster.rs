@@ -22,7 +22,8 @@ fn fixture(gpu: &'static pelage::gpu::Gpu, mesh: &str) -> Fixture {
 
 /// Distance of a sample from a triangle's edges; negative outside.
 fn margin(frame: &Frame, shell: &Shell, triangle: u32, xy: [u32; 2]) -> f32 {
-    let corners = shell.prisms[triangle as usize].vertices.map(|v| Vec3::from(shell.vertices[v as usize].position));
+    let corners =
+        shell.prisms[triangle as usize].vertices.map(|v| Vec3::from(shell.vertices[v as usize].position));
     project(frame, corners).map_or(0.0, |p| p.cover(frame, xy).margin)
 }
 
@@ -73,7 +74,10 @@ fn samples_see_the_triangles_of_the_twin() {
                 let twin = shade(&tile.frame, shell, &fixture.fur, &light, triangle, xy);
                 gpu::close(base.z, twin.z, 1e-5, format!("{mesh}: depth at {xy:?}"));
                 let away = (base.radiance - twin.radiance).abs().max_element();
-                assert!(away < 2e-3 * (0.05 + twin.radiance.max_element()), "{mesh} {xy:?}: {base:?} {twin:?}");
+                assert!(
+                    away < 2e-3 * (0.05 + twin.radiance.max_element()),
+                    "{mesh} {xy:?}: {base:?} {twin:?}"
+                );
                 assert!((base.normal - twin.normal).length() < 2e-3, "{mesh} {xy:?}: {base:?} {twin:?}");
             }
             assert!(seen > size[0] * size[1] / 10, "{mesh}: {seen} samples see the skin");

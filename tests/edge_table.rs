@@ -3,12 +3,12 @@
 #[path = "common/gpu.rs"]
 mod gpu;
 
-use gpu::{Fixture, jittered_grid, skin, world_on};
 use glam::Vec3;
+use gpu::{Fixture, jittered_grid, skin, world_on};
+use pelage::Skin;
 use pelage::mesh::topology;
 use pelage::reference::edge_table::neighbours;
 use pelage::skin::NONE;
-use pelage::Skin;
 use proptest::prelude::*;
 
 const SCENE: &str = "[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";

@@ -26,8 +26,10 @@ fn bins(fixture: &Fixture, tile: &Tile, tiles: &Tiles) -> Vec<Vec<u32>> {
     let [w, h] = tiles.grid;
     let n = u64::from(w * h);
     let [x, y] = tiles.origin.map(|o| o as u32);
-    let uniform =
-        p.gpu.uniform("tiles", &[x, y, tiles.size[0], tiles.size[1], w, h, tiles.margin.to_bits(), 0]).unwrap();
+    let uniform = p
+        .gpu
+        .uniform("tiles", &[x, y, tiles.size[0], tiles.size[1], w, h, tiles.margin.to_bits(), 0])
+        .unwrap();
     let counts = p.gpu.storage("bin_counts", 6, n * 4).unwrap();
     let run = |list: Option<(&pelage::gpu::Buffer, &pelage::gpu::Buffer)>| {
         let mut recorder = Recorder::new(p.gpu);
@@ -82,7 +84,9 @@ fn bins_are_those_of_the_twin() {
         let differ: usize = found
             .iter()
             .zip(&wanted)
-            .map(|(a, b)| a.iter().filter(|s| !b.contains(s)).count() + b.iter().filter(|s| !a.contains(s)).count())
+            .map(|(a, b)| {
+                a.iter().filter(|s| !b.contains(s)).count() + b.iter().filter(|s| !a.contains(s)).count()
+            })
             .sum();
         assert!(differ * 500 <= entries, "{camera}: {differ} of {entries}");
     }

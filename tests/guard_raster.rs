@@ -35,7 +35,11 @@ fn draw(fixture: &Fixture, tile: &Tile, strands: &Strands, base: f32) -> Vec<Vec
     let p = &fixture.prepared;
     let n = strands.roots.len() as u32;
     let samples = (tile.frame.tile_size[0] * tile.frame.tile_size[1]) as usize;
-    p.gpu.queue.write_buffer(&tile.buffer("base_records").raw, 0, bytemuck::cast_slice(&vec![[base, 0.0, 0.0, 0.0]; samples]));
+    p.gpu.queue.write_buffer(
+        &tile.buffer("base_records").raw,
+        0,
+        bytemuck::cast_slice(&vec![[base, 0.0, 0.0, 0.0]; samples]),
+    );
     let buffers = [
         p.gpu.uniform("bin", &[0, n, 0, 0]).unwrap(),
         p.gpu.upload("bins", 6, &(0..n).collect::<Vec<u32>>()).unwrap(),
@@ -140,7 +144,10 @@ fn coverage_adds_up_to_the_width() {
             let decoded = 2.0 * radius(strands.vertices[0]) * samples_per_slope(&tile.frame) / 8.0;
             let wanted = decoded * (1.0 + slope * slope).sqrt();
             let mean = lit.iter().sum::<f32>() / lit.len() as f32;
-            assert!((mean - wanted).abs() < tolerance * wanted.max(1.0), "slope {slope}, steep {steep}: {mean}, wanted {wanted}");
+            assert!(
+                (mean - wanted).abs() < tolerance * wanted.max(1.0),
+                "slope {slope}, steep {steep}: {mean}, wanted {wanted}"
+            );
             // Segments share no column, so that no sample is covered twice.
             assert!(lists.iter().all(|l| l.len() <= 1), "slope {slope}, steep {steep}, width {width}");
         }

@@ -40,16 +40,22 @@ fn redrawn(fixture: &Fixture) -> Vec<u32> {
 #[test]
 fn deposits_are_those_of_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    for (size, guard) in [(1.0, "length = 0.3\nspread = 30"), (0.1, "length = 0.05\nspread = 10\ngravity = 1")] {
+    for (size, guard) in
+        [(1.0, "length = 0.3\nspread = 30"), (0.1, "length = 0.05\nspread = 10\ngravity = 1")]
+    {
         let fixture = Fixture::new(gpu, haired(size, guard));
         let roots: Vec<Root> = fixture.read("roots", fixture.strands());
         let vertices = fixture.strand_vertices();
-        let (wanted, total) = deposits(&fixture.shell, &fixture.fur, &roots, &vertices, fixture.prepared.segments);
+        let (wanted, total) =
+            deposits(&fixture.shell, &fixture.fur, &roots, &vertices, fixture.prepared.segments);
         let found: Vec<f64> = redrawn(&fixture).into_iter().map(|d| f64::from(d) / FIXED_POINT).collect();
         let sum: f64 = found.iter().sum();
         // Twelve roundings a segment, each by half a unit at most, up or down.
         let roundings = (roots.len() * fixture.prepared.segments as usize * 12) as f64;
-        assert!((sum - total).abs() < 0.5 * roundings.sqrt() * 3.0 / FIXED_POINT + 1e-4 * total, "{sum} {total}");
+        assert!(
+            (sum - total).abs() < 0.5 * roundings.sqrt() * 3.0 / FIXED_POINT + 1e-4 * total,
+            "{sum} {total}"
+        );
         let largest = wanted.iter().copied().fold(0.0, f64::max);
         for (i, (a, b)) in found.iter().zip(&wanted).enumerate() {
             // Rounded to whole units some hundred times.
@@ -79,7 +85,8 @@ fn deposits_are_those_of_the_twin() {
 fn what_is_deposited_is_length_times_diameter() {
     let Some(gpu) = gpu::open() else { return };
     // Short upright hairs, so that only few cross the border of the skin.
-    let fixture = Fixture::new(gpu, haired(1.0, "length = 0.2\nspread = 0\ngravity = 0\nfrizz = 0\nclump = 0"));
+    let fixture =
+        Fixture::new(gpu, haired(1.0, "length = 0.2\nspread = 0\ngravity = 0\nfrizz = 0\nclump = 0"));
     let vertices = fixture.strand_vertices();
     let strands = vertices.chunks(fixture.prepared.segments as usize + 1);
     let area: f64 = strands
@@ -99,7 +106,8 @@ fn node_volumes_fill_the_shell() {
     let fixture = Fixture::new(gpu, world);
     let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
     let levels = 0..=fixture.fur.levels;
-    let volumes = columns.iter().flat_map(|c| levels.clone().map(|l| volume(&fixture.shell, &fixture.fur, c, l)));
+    let volumes =
+        columns.iter().flat_map(|c| levels.clone().map(|l| volume(&fixture.shell, &fixture.fur, c, l)));
     let sum: f64 = volumes.map(f64::from).sum();
     let slab = 36.0 * 0.3 * f64::from(fixture.fur.light_reach);
     assert!((sum - slab).abs() < 1e-3 * slab, "{sum} {slab}");

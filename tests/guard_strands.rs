@@ -31,7 +31,9 @@ fn vertices_are_those_of_the_twin() {
         let vertices = fixture.strand_vertices();
         assert!(roots.len() > 100);
         let mut worst = 0.0f32;
-        for (i, (root, found)) in roots.iter().zip(vertices.chunks(fixture.prepared.segments as usize + 1)).enumerate() {
+        for (i, (root, found)) in
+            roots.iter().zip(vertices.chunks(fixture.prepared.segments as usize + 1)).enumerate()
+        {
             let strand = strand(&fixture.shell, &fixture.maps(), root);
             for (k, (found, wanted)) in found.iter().zip(strand.vertices(&fixture.packed.groom)).enumerate() {
                 let away = (position(*found) - position(wanted)).length() / strand.length;

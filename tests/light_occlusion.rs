@@ -29,7 +29,9 @@ fn both(gpu: &'static pelage::gpu::Gpu, mesh: &str) -> (u32, Vec<(u64, u64)>) {
 #[test]
 fn the_same_lights_are_blocked() {
     let Some(gpu) = gpu::open() else { return };
-    for mesh in ["shape = \"torus\"\nsize = 3", "shape = \"hat\"\nsize = 3", "shape = \"cylinder_pelt\"\nsize = 3"] {
+    for mesh in
+        ["shape = \"torus\"\nsize = 3", "shape = \"hat\"\nsize = 3", "shape = \"cylinder_pelt\"\nsize = 3"]
+    {
         let (lights, columns) = both(gpu, mesh);
         assert_eq!(lights, 36);
         let total = columns.len() as u32 * lights;
@@ -37,7 +39,10 @@ fn the_same_lights_are_blocked() {
         let blocked: u32 = columns.iter().map(|(_, b)| b.count_ones()).sum();
         // Rays that graze an edge may fall on either side.
         assert!(wrong * 200 < total, "{mesh}: {wrong} of {total} rays differ");
-        assert!(blocked * 20 > total && blocked * 10 < total * 9, "{mesh}: {blocked} of {total} rays are blocked");
+        assert!(
+            blocked * 20 > total && blocked * 10 < total * 9,
+            "{mesh}: {blocked} of {total} rays are blocked"
+        );
         // Bits of the next column do not agree: the comparison can fail.
         let shifted: u32 = columns.windows(9).map(|w| (w[0].0 ^ w[8].1).count_ones()).sum();
         assert!(shifted * 200 > total, "{mesh}: {shifted}");

@@ -5,12 +5,12 @@ mod gpu;
 
 use glam::Vec3;
 use gpu::{Fixture, jittered_grid, world_on};
+use pelage::Skin;
 use pelage::layout::{Prism, ShellVertex};
 use pelage::mesh::topology;
 use pelage::reference::hash::{random, random_direction};
 use pelage::reference::shell::{Located, Place, Shell, most_negative, subelement, subelement_centroid};
 use pelage::skin::NONE;
-use pelage::Skin;
 use proptest::prelude::*;
 
 /// A shell over a skin, as high everywhere as `height` says.
@@ -26,7 +26,11 @@ fn shell_of(skin: &Skin, height: impl Fn(usize) -> f32) -> Shell {
     Shell {
         vertices: (0..skin.positions.len()).map(vertex).collect(),
         prisms: prisms
-            .map(|(vertices, neighbours)| Prism { vertices: *vertices, neighbours, ..bytemuck::Zeroable::zeroed() })
+            .map(|(vertices, neighbours)| Prism {
+                vertices: *vertices,
+                neighbours,
+                ..bytemuck::Zeroable::zeroed()
+            })
             .collect(),
         corner_uv: vec![[0.0; 2]; 3 * skin.triangles.len()],
         light_reach: 1.0,
@@ -74,7 +78,11 @@ fn subelements_are_numbered_as_in_the_paper() {
         let near = |k: usize| Vec3::splat(0.001) + 0.997 * Vec3::AXES[k];
         assert_eq!([0, 1, 2].map(|k| subelement(near(k), d)), [0, (n - 1) * (n - 1), n * n - 1]);
     }
-    let place = Place { cell_base: 10 * 8 * 16, subdivision: 2, ..shell_of(&jittered_grid(1, 0.0), |_| 1.0).enter(0) };
+    let place = Place {
+        cell_base: 10 * 8 * 16,
+        subdivision: 2,
+        ..shell_of(&jittered_grid(1, 0.0), |_| 1.0).enter(0)
+    };
     assert_eq!(place.volume_index(3, 5), 1333);
 }
 
@@ -101,7 +109,10 @@ fn rounding_at_grid_vertices_stays_in_range() {
                 outside += i32::from(!(0..ids).contains(&unclamped(lambda, d)));
                 // The cell holds the point but for rounding.
                 let i = subelement_centroid(id, d);
-                assert!((i - lambda).abs().max_element() < 1.01 * 2.0 / 3.0 / n as f32 + 1e-5, "d {d} {lambda}: {id}");
+                assert!(
+                    (i - lambda).abs().max_element() < 1.01 * 2.0 / 3.0 / n as f32 + 1e-5,
+                    "d {d} {lambda}: {id}"
+                );
             }
         }
     }
@@ -295,7 +306,10 @@ fn the_gpu_finds_the_same_places() {
         }
         gpu::close(answer.t, place.t, 1e-4, format!("t {i}"));
         gpu::close(answer.dt_dz, place.dt_dz, 1e-3, format!("slope {i}"));
-        assert!((Vec3::from(answer.lambda) - place.lambda).abs().max_element() < 1e-3, "{i}: {answer:?} {place:?}");
+        assert!(
+            (Vec3::from(answer.lambda) - place.lambda).abs().max_element() < 1e-3,
+            "{i}: {answer:?} {place:?}"
+        );
         assert!(answer.id < 1024 && subelement(answer.lambda.into(), 5) == answer.id, "cell {i}");
     }
     assert!(elsewhere < 5 && outside < 1000, "{elsewhere} points end elsewhere, {outside} outside");

@@ -16,9 +16,10 @@ const KIND_ENTRY: u32 = 1;
 fn rays_enter_where_the_twin_says() {
     let Some(gpu) = gpu::open() else { return };
     // A closed skin, and an open one with walls over its border.
-    for (mesh, open) in
-        [("shape = \"torus\"\nsize = 2", false), ("shape = \"cylinder_pelt\"\nsize = 2\nrotate = [20, 40, 0]", true)]
-    {
+    for (mesh, open) in [
+        ("shape = \"torus\"\nsize = 2", false),
+        ("shape = \"cylinder_pelt\"\nsize = 2\nrotate = [20, 40, 0]", true),
+    ] {
         let scene = format!(
             "[mesh]\n{mesh}\n[camera]\neye = [1.5, 3, 4]\nfov = 42\n[[lights]]\n[undercoat]\nheight = 0.2\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
         );

@@ -3,9 +3,9 @@
 #[path = "common/gpu.rs"]
 mod gpu;
 
+use bytemuck::Zeroable;
 use glam::Vec3;
 use gpu::{Fixture, image, jittered_grid, scaled, world_on};
-use bytemuck::Zeroable;
 use pelage::layout::{Column, Fur, Prism, ShellVertex};
 use pelage::reference::hash::random;
 use pelage::reference::lattice::{cell, column_index, column_lambda, node_index};
@@ -40,12 +40,15 @@ fn columns_are_those_of_the_twin() {
         for (i, (a, b)) in found.iter().zip(&wanted).enumerate() {
             gpu::close(a.density, b.density, 1e-4, format!("density of column {i}"));
             densities.push(a.density);
-            for (a, b) in [(a.color_root, b.color_root), (a.color_tip, b.color_tip), (a.color_base, b.color_base)] {
+            for (a, b) in
+                [(a.color_root, b.color_root), (a.color_tip, b.color_tip), (a.color_base, b.color_base)]
+            {
                 let away = (lattice::unpack_albedo(a) - lattice::unpack_albedo(b)).abs().max_element();
                 assert!(away < 1.01 / 1023.0, "column {i}: {a:x} {b:x}");
             }
         }
-        let spread = densities.iter().copied().fold(0.0, f32::max) - densities.iter().copied().fold(1.0, f32::min);
+        let spread =
+            densities.iter().copied().fold(0.0, f32::max) - densities.iter().copied().fold(1.0, f32::min);
         assert!(spread > 0.5, "the map is seen: {spread}");
         // Columns share the skin among them.
         let area: f64 = found.iter().map(|c| f64::from(c.area)).sum();
@@ -93,7 +96,7 @@ fn place_of(shell: &Shell, s: u32, n: u32) -> Place {
     let mut place = shell.enter(s % shell.prisms.len() as u32);
     let (r, v) = (random(s, 0).sqrt(), random(s, 1));
     let mut lambda = Vec3::new(1.0 - r, r * (1.0 - v), r * v);
-    if s % 3 == 0 {
+    if s.is_multiple_of(3) {
         lambda = (lambda * n as f32).round() / n as f32;
         lambda.x = 1.0 - lambda.y - lambda.z;
     }
@@ -116,7 +119,10 @@ fn columns_are_numbered_without_gaps_and_shared() {
                 let p = place.point(0.0, column_lambda(&fur, &column));
                 let slot = &mut stands[column_index(&fur, &place, i, j) as usize];
                 // All triangles that share a column say the same of where it stands.
-                assert!(slot.is_none_or(|q| (p - q).length() < 1e-5), "n {n}, prism {prism} {i} {j}: {p} {slot:?}");
+                assert!(
+                    slot.is_none_or(|q| (p - q).length() < 1e-5),
+                    "n {n}, prism {prism} {i} {j}: {p} {slot:?}"
+                );
                 *slot = Some(p);
             }
         }
@@ -125,7 +131,10 @@ fn columns_are_numbered_without_gaps_and_shared() {
         for s in 0..2000 {
             let place = place_of(&shell, s, n);
             let found = cell(&fur, &place);
-            assert!((found.weights.element_sum() - 1.0).abs() < 1e-5 && found.weights.min_element() > -1e-5, "{found:?}");
+            assert!(
+                (found.weights.element_sum() - 1.0).abs() < 1e-5 && found.weights.min_element() > -1e-5,
+                "{found:?}"
+            );
             assert!(found.level < fur.levels && (0.0..=1.0).contains(&found.fraction), "{found:?}");
             let height = (found.level as f32 + found.fraction) / fur.levels as f32 * fur.light_reach;
             assert!((height - place.t.clamp(0.0, fur.light_reach)).abs() < 1e-5, "{found:?}");
@@ -207,7 +216,10 @@ fn the_gpu_finds_the_same_cells() {
                 elsewhere += 1;
                 continue;
             }
-            assert!((Vec3::from(found.weights) - wanted.weights).abs().max_element() < 1e-5, "{found:?} {wanted:?}");
+            assert!(
+                (Vec3::from(found.weights) - wanted.weights).abs().max_element() < 1e-5,
+                "{found:?} {wanted:?}"
+            );
             assert!((found.fraction - wanted.fraction).abs() < 1e-5, "{found:?} {wanted:?}");
         }
         assert!(elsewhere < 200, "n {n}: {elsewhere} places in another cell");

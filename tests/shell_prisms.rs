@@ -13,8 +13,11 @@ const HOLLOW: &str = "4.0";
 
 /// A bumpy grid with undercoat as high as `height` says (TOML).
 fn bumpy(height: &str, displacement: f32, uv: bool) -> World {
-    let scene = format!("[undercoat]\nheight = {height}\nlayers = 2\nsubdivision = 1\n[render]\nfur = \"implicit\"\n");
-    let map = image("height.png", false, 16, |u, v| [0.5 + 0.5 * (6.0 * u).sin() * (6.0 * v).cos(), v, u, 1.0]);
+    let scene = format!(
+        "[undercoat]\nheight = {height}\nlayers = 2\nsubdivision = 1\n[render]\nfur = \"implicit\"\n"
+    );
+    let map =
+        image("height.png", false, 16, |u, v| [0.5 + 0.5 * (6.0 * u).sin() * (6.0 * v).cos(), v, u, 1.0]);
     let mut grid = jittered_grid(10, displacement);
     if height == HOLLOW {
         // A gutter whose axis lies below the wanted height.

@@ -41,7 +41,10 @@ fn the_volume_is_that_of_the_twin() {
     let cases = [
         ("subdivision = 3", 0),
         ("subdivision = 2\nnoise_domain = \"uv\"\nnoise_frequency = 3", 5),
-        ("cell = 0.2\nlean = 0.8\nnoise_contrast = 1\nheight_variation = 0.9\ntangent_jitter = 1\njitter_exponent = 0.7", 8),
+        (
+            "cell = 0.2\nlean = 0.8\nnoise_contrast = 1\nheight_variation = 0.9\ntangent_jitter = 1\njitter_exponent = 0.7",
+            8,
+        ),
         ("subdivision = 0\nnoise_contrast = 0\nheight_variation = 0\ntangent_jitter = 0", 1),
     ];
     for (undercoat, seed) in cases {
@@ -79,5 +82,7 @@ fn packing_keeps_a_medium() {
         assert!((back.density - m.density).abs() <= 0.5001 * DENSITY_RANGE / 4095.0, "{m:?} {back:?}");
         assert!((back.tangent - m.tangent).length() < TANGENT_STEP, "{m:?} {back:?}");
     }
-    assert!(unpack_medium(pack_medium(Medium { density: 9.0, tangent: glam::Vec3::Z })).density == DENSITY_RANGE);
+    assert!(
+        unpack_medium(pack_medium(Medium { density: 9.0, tangent: glam::Vec3::Z })).density == DENSITY_RANGE
+    );
 }

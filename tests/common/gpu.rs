@@ -43,7 +43,8 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     let shape: &[String] = if skin.is_some() { &["mesh.shape=plane".into()] } else { &[] };
     let scene = Scene::parse(text, "test.toml", shape).expect("a valid scene");
     let assets = Assets::default();
-    let skin = skin.unwrap_or_else(|| pelage::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
+    let skin =
+        skin.unwrap_or_else(|| pelage::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
     let lights = pelage::light::lights_of(&scene, &assets).expect("lights");
     World { scene, skin, lights, maps: MapSet { images, notes: Vec::new() } }
 }
@@ -125,7 +126,8 @@ impl Fixture {
     /// The first `count` elements of a buffer of the prepared world or of its strands.
     pub fn read<T: Pod>(&self, name: &str, count: usize) -> Vec<T> {
         let of_strands = || self.prepared.resident.as_ref().and_then(|s| s.buffer(name));
-        let buffer = self.prepared.buffer(name).or_else(of_strands).unwrap_or_else(|| panic!("no buffer {name}"));
+        let buffer =
+            self.prepared.buffer(name).or_else(of_strands).unwrap_or_else(|| panic!("no buffer {name}"));
         self.prepared.gpu.read(buffer, (count * size_of::<T>()) as u64).expect("a read-back")
     }
 
@@ -225,7 +227,8 @@ impl Tile {
     pub fn draw_base(&self, fixture: &Fixture) {
         let mut recorder = Recorder::new(fixture.prepared.gpu);
         let pass = &fixture.prepared.passes.base_raster;
-        pass.record(&mut recorder, &self.scope(fixture), &self.targets(), fixture.prepared.triangles).unwrap();
+        pass.record(&mut recorder, &self.scope(fixture), &self.targets(), fixture.prepared.triangles)
+            .unwrap();
         recorder.submit(&mut Timings::default()).unwrap();
     }
 
@@ -250,7 +253,8 @@ impl Tile {
         let row = (w * 4).next_multiple_of(256);
         let copy = gpu.storage("staging", 0, u64::from(row * h)).unwrap();
         let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+        let layout =
+            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
         encoder.copy_texture_to_buffer(
             self.ids.as_image_copy(),
             wgpu::TexelCopyBufferInfo { buffer: &copy.raw, layout },
@@ -292,7 +296,13 @@ impl Tile {
 
 /// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads `input` (binding 50)
 /// and writes `output` (binding 51); `more` are further buffers by binding. Returns `count` elements of `output`.
-pub fn evaluate<I: Pod, O: Pod>(gpu: &Gpu, code: &str, more: &[(u32, &Buffer)], input: &[I], count: usize) -> Vec<O> {
+pub fn evaluate<I: Pod, O: Pod>(
+    gpu: &Gpu,
+    code: &str,
+    more: &[(u32, &Buffer)],
+    input: &[I],
+    count: usize,
+) -> Vec<O> {
     let text = resolve(code);
     let input = gpu.upload("input", 0, input).unwrap();
     let output = gpu.storage("output", 0, (count * size_of::<O>()) as u64).unwrap();
@@ -312,7 +322,10 @@ pub fn evaluate<I: Pod, O: Pod>(gpu: &Gpu, code: &str, more: &[(u32, &Buffer)], 
     let entries: Vec<_> = [(50, &input), (51, &output)]
         .iter()
         .chain(more)
-        .map(|(binding, buffer)| wgpu::BindGroupEntry { binding: *binding, resource: buffer.raw.as_entire_binding() })
+        .map(|(binding, buffer)| wgpu::BindGroupEntry {
+            binding: *binding,
+            resource: buffer.raw.as_entire_binding(),
+        })
         .collect();
     let group = gpu.device.create_bind_group(&wgpu::BindGroupDescriptor {
         label: None,
@@ -366,6 +379,7 @@ pub fn close(actual: f32, wanted: f32, tolerance: f32, what: impl std::fmt::Disp
 pub fn scaled(mut skin: Skin, factor: f32, unit: f32) -> Skin {
     skin.positions.iter_mut().for_each(|p| *p *= factor);
     let uv = |v: u32| skin.positions[v as usize];
-    skin.corner_uv = Some(skin.triangles.iter().map(|t| t.map(|v| Vec2::new(uv(v).x, uv(v).z) / unit)).collect());
+    skin.corner_uv =
+        Some(skin.triangles.iter().map(|t| t.map(|v| Vec2::new(uv(v).x, uv(v).z) / unit)).collect());
     skin
 }
