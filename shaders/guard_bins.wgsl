@@ -1,5 +1,6 @@
-// Step 6: which strands touch which tile, so that a small tile costs no pass over all strands. `count` sizes the bins, `fill`
-// writes them; the order within a bin does not matter.
+// Step 6: which strands touch which tile, so that a small tile costs no pass over all strands. `count` sizes the bins, `fill` writes them;
+// the order within a bin does not matter. Where the strands do not fit the budget, `gather` picks the roots whose strands may touch one
+// tile, and only those are grown.
 
 struct Batch {
     strands: u32,
@@ -10,7 +11,7 @@ struct Tiles {
     size: vec2u,     // of a tile, samples
     grid: vec2u,     // tiles
     margin: f32,     // samples that a tile reaches over its edge
-    padding: u32,
+    length: f32,     // of the longest strand with everything that bends it, cm
 }
 
 @group(0) @binding(1) var<uniform> batch: Batch;
@@ -20,10 +21,16 @@ struct Tiles {
 @group(0) @binding(5) var<storage, read_write> bin_counts: array<atomic<u32>>;
 @group(0) @binding(6) var<storage, read> bin_starts: array<u32>;
 @group(0) @binding(7) var<storage, read_write> bins: array<u32>;
+@group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(9) var<storage, read> prisms: array<Prism>;
+@group(0) @binding(10) var<storage, read> roots: array<Root>;
+@group(0) @binding(11) var<storage, read_write> tile_roots: array<Root>;
 
 #import shared/frame
 #import shared/index
+#import shared/shell_types
 #import shared/groom_types
+#import shared/root_types
 #import shared/strands
 
 // First and last tile that a strand touches; last < first where it touches none.
@@ -85,4 +92,33 @@ fn fill(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             bins[bin_starts[bin] + atomicAdd(&bin_counts[bin], 1u)] = i;
         }
     }
+}
+
+@compute @workgroup_size(64)
+fn gather(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= batch.strands {
+        return;
+    }
+    let root = roots[i];
+    let v = prisms[root.prism].vertices;
+    let l = vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda);
+    let p = film_from_world(l.x * shell_vertices[v.x].position + l.y * shell_vertices[v.y].position + l.z * shell_vertices[v.z].position);
+    if p.z + tiles.length < frame.near {
+        return;
+    }
+    let nearest = p.z - tiles.length;
+    if nearest > frame.near {
+        // A sphere around the root; off the axis it looks a little longer.
+        let slope = max(frame.tan_x, frame.tan_y);
+        let radius = tiles.length * samples_per_slope() / nearest * sqrt(1.0 + 2.0 * slope * slope) + tiles.margin;
+        let low = vec2f(frame.tile_origin) - radius;
+        let high = vec2f(frame.tile_origin + vec2i(frame.tile_size)) + radius;
+        if any(p.xy < low) || any(p.xy > high) {
+            return;
+        }
+    }
+    let slot = atomicAdd(&bin_counts[0], 1u);
+    tile_roots[slot] = root;
+    bins[slot] = slot;
 }

@@ -69,6 +69,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var place: Place;
     enter_prism(&place, root.prism);
     place.t = 0.0;
+    place.lambda = vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda);
+    let root_place = place;
+    let extrusion = place.v0 + place.lambda.y * place.w1 + place.lambda.z * place.w2;
+    let inverse_height = 1.0 / max(length(extrusion), 1e-3);
     var inside = true;
     for (var k = 0u; k <= groom.segments; k++) {
         let x = strand_vertices[first + k].xyz;
@@ -78,9 +82,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let half_width = 0.5 * groom.color_transition.y;
         let blend = smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
         let tint = clamp(mix(color_root, color_tip, blend), vec3f(0.0), vec3f(1.0));
-        // A strand that hangs over the border of the skin keeps its last place.
         if inside {
             inside = locate(&place, x, tangent, 3u) == INSIDE;
+        }
+        if !inside {
+            // Over the border of the skin, or where the shell folds: as high above the root as it is.
+            place = root_place;
+            place.t = max(0.0, dot(x - at.position, at.normal) * inverse_height);
         }
         let cell = lattice_cell(&place);
         if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > 14.0 {

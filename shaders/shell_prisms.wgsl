@@ -13,11 +13,12 @@ struct Counts {
 @group(0) @binding(5) var<storage, read> triangles: array<u32>;
 @group(0) @binding(6) var<storage, read> vertex_uv: array<vec2f>;
 @group(0) @binding(7) var<storage, read_write> reach: array<atomic<u32>>;        // bits of a height, cm
-@group(0) @binding(8) var<storage, read_write> shell_vertices: array<ShellVertex>;
-@group(0) @binding(9) var<storage, read> neighbours: array<u32>;
-@group(0) @binding(10) var<storage, read> subdivisions: array<vec2u>;            // level d, first subelement
-@group(0) @binding(11) var<storage, read> edge_numbers: array<u32>;
-@group(0) @binding(12) var<storage, read_write> prisms: array<Prism>;
+@group(0) @binding(8) var<storage, read> reach_before: array<u32>;
+@group(0) @binding(9) var<storage, read_write> shell_vertices: array<ShellVertex>;
+@group(0) @binding(10) var<storage, read> neighbours: array<u32>;
+@group(0) @binding(11) var<storage, read> subdivisions: array<vec2u>;            // level d, first subelement
+@group(0) @binding(12) var<storage, read> edge_numbers: array<u32>;
+@group(0) @binding(13) var<storage, read_write> prisms: array<Prism>;
 
 #import shared/index
 #import shared/shell_types
@@ -53,6 +54,27 @@ fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             }
             return;
         }
+    }
+}
+
+// A lowered vertex lowers its surroundings: the shell's top climbs no steeper than this over the skin, else creases would tear
+// holes. Each round reads one table and takes minima into the other, so that the order of triangles does not show.
+const STEEPEST: f32 = 0.8;
+
+@compute @workgroup_size(64)
+fn spread(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let t = linear_index(id, groups);
+    if t >= counts.triangles {
+        return;
+    }
+    for (var k = 0u; k < 3u; k++) {
+        let a = triangles[3u * t + k];
+        let b = triangles[3u * t + (k + 1u) % 3u];
+        let low_a = bitcast<f32>(reach_before[a]);
+        let low_b = bitcast<f32>(reach_before[b]);
+        let rise = STEEPEST * distance(skin_vertices[a].position, skin_vertices[b].position);
+        atomicMin(&reach[a], bitcast<u32>(min(low_a, low_b + rise)));
+        atomicMin(&reach[b], bitcast<u32>(min(low_b, low_a + rise)));
     }
 }
 

@@ -27,14 +27,17 @@ pub struct Comparison {
     pub non_finite_reference: u64,
     /// Root of the mean squared difference over pixels and channels.
     pub rmse: f64,
-    /// Mean of `(I - R)² / (R² + 0.01)` over pixels and channels. // [Rousselle2011]
+    /// Mean of `(I - R)² / (R² + 0.01)` over pixels and channels.
+    // [Rousselle2011]
     pub relative_mse: f64,
     /// Peak signal-to-noise ratio for a peak of 1, dB; infinite for equal images.
     pub psnr: f64,
     /// Mean structural similarity of the sRGB-encoded luminance: window 11 x 11, Gaussian of σ 1.5, K1 = 0.01,
-    /// K2 = 0.03; 1 for equal images. // [Wang2004] eq. 13
+    /// K2 = 0.03; 1 for equal images.
+    // [Wang2004] eq. 13
     pub ssim: f64,
-    /// Mean FLIP error of the sRGB-encoded colours at 67 pixels per degree, 0..1. // [Andersson2020]
+    /// Mean FLIP error of the sRGB-encoded colours at 67 pixels per degree, 0..1.
+    // [Andersson2020]
     pub flip: f64,
     /// Mean luminance of the image divided by that of the reference.
     pub luminance_ratio: f64,
@@ -238,7 +241,8 @@ fn flip_map(image: &[[f32; 4]], reference: &[[f32; 4]], size: [usize; 2]) -> Res
     Ok(nv_flip::flip(of(reference), of(image), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec())
 }
 
-/// Mean SSIM over all pixels; windows at the border are cut and their weights scaled to 1. // [Wang2004] eq. 13
+/// Mean SSIM over all pixels; windows at the border are cut and their weights scaled to 1.
+// [Wang2004] eq. 13
 fn ssim(a: &[f64], b: &[f64], size: [usize; 2]) -> f64 {
     const C1: f64 = 0.01 * 0.01;
     const C2: f64 = 0.03 * 0.03;

@@ -31,9 +31,6 @@ pub struct Gpu {
     faults: Arc<Mutex<Faults>>,
 }
 
-/// How long a read-back may be outstanding once the device is idle.
-const READ_BACK_PATIENCE: std::time::Duration = std::time::Duration::from_secs(10);
-
 /// What the device reported outside any error scope.
 #[derive(Default)]
 struct Faults {
@@ -68,10 +65,8 @@ impl Gpu {
             }
         }));
         let seen = faults.clone();
-        device.set_device_lost_callback(move |reason, message| {
-            if let Ok(mut faults) = seen.lock()
-                && !matches!(reason, wgpu::DeviceLostReason::Destroyed)
-            {
+        device.set_device_lost_callback(move |_, message| {
+            if let Ok(mut faults) = seen.lock() {
                 faults.lost = Some(message);
             }
         });
@@ -80,7 +75,12 @@ impl Gpu {
 
     /// An error if the device reported one since the last call; `during` names the pass.
     pub fn check(&self, during: &str) -> Result<()> {
-        let mut faults = self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        let faults = || self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if !faults().errors.is_empty() {
+            // What is done with a lost device fails in many ways; that it is lost may be told only now.
+            self.device.poll(wgpu::PollType::Poll).ok();
+        }
+        let mut faults = faults();
         if let Some(reason) = faults.lost.clone() {
             return Err(Error::DeviceLost { during: during.into(), reason });
         }
@@ -168,27 +168,17 @@ impl Gpu {
         let mut encoder = self.device.create_command_encoder(&Default::default());
         encoder.copy_buffer_to_buffer(&buffer.raw, 0, &staging.raw, 0, size);
         self.queue.submit([encoder.finish()]);
-        let result = Arc::new(Mutex::new(None));
-        let done = result.clone();
+        let (sender, done) = std::sync::mpsc::channel();
         staging.raw.map_async(wgpu::MapMode::Read, 0..size, move |r| {
-            if let Ok(mut slot) = done.lock() {
-                *slot = Some(r);
-            }
+            // Nobody waits any more where the device was lost meanwhile.
+            let _ = sender.send(r);
         });
         self.wait(buffer.name)?;
-        // Another thread that polls the device may be the one that runs the callback, and not be done with it.
-        let taken = || result.lock().unwrap_or_else(std::sync::PoisonError::into_inner).take();
-        let started = std::time::Instant::now();
-        let mut mapped = taken();
-        while mapped.is_none() && started.elapsed() < READ_BACK_PATIENCE {
-            std::thread::sleep(std::time::Duration::from_millis(1));
-            self.wait(buffer.name)?;
-            mapped = taken();
-        }
-        match mapped {
-            Some(Ok(())) => {}
-            Some(Err(e)) => return Err(Error::gpu(buffer.name, e)),
-            None => {
+        // Another thread that waits on the same device may be the one that runs the callback, a moment later.
+        match done.recv_timeout(std::time::Duration::from_secs(10)) {
+            Ok(Ok(())) => {}
+            Ok(Err(e)) => return Err(Error::gpu(buffer.name, e)),
+            Err(_) => {
                 return Err(Error::DeviceLost {
                     during: buffer.name.into(),
                     reason: "a read-back never came".into(),

@@ -5,7 +5,7 @@
 //! colours (3 f32 a point).
 // [YukselHair]
 
-use crate::{Error, Result, mesh::write_atomically};
+use crate::{Error, Result, files::write_buffered};
 use glam::Vec3;
 use std::io::{self, Write};
 use std::path::Path;
@@ -81,7 +81,7 @@ impl HairFile {
     /// Errors: [`Error::Check`] where the arrays do not fit each other, [`Error::Io`].
     pub fn write(&self, path: &Path) -> Result<()> {
         self.check().map_err(|m| Error::Check(format!("{}: {m}: not written", path.display())))?;
-        write_atomically(path, |out| self.to_writer(out))
+        write_buffered(path, |out| Ok(self.to_writer(out)?))
     }
 
     /// Reads the bytes of a file; the error says what was found and what was expected.

@@ -1,7 +1,6 @@
 //! Image maps of the groom.
 
-mod image_file;
-
+use crate::film::io;
 use crate::scene::{Color, Scalar};
 use crate::{Error, Result, Scene, assets::Assets};
 use glam::{Vec2, Vec3, Vec4};
@@ -103,7 +102,7 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
 
 /// Reads one image, replaces what is not a number by 0 and reduces it to [`MAX_SIDE`].
 fn load_image(path: &Path, name: &str, color: bool, notes: &mut Vec<String>) -> Result<MapImage> {
-    let (width, height, texels) = image_file::read(path, color)?;
+    let (width, height, texels) = io::read_texels(path, color)?;
     let mut image = MapImage { name: name.to_owned(), color, width, height, texels };
     let mut bad = 0;
     for v in image.texels.iter_mut().flatten().filter(|v| !v.is_finite()) {

@@ -7,7 +7,6 @@ pub mod topology;
 mod write;
 
 pub use repair::smoothed_normals;
-pub(crate) use write::write_atomically;
 pub use write::write_obj;
 
 use crate::{Error, Result, SceneFault, Skin, scene::MeshSpec};

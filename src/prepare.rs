@@ -37,6 +37,8 @@ pub struct Prepared<'g> {
     pub subelements: u64,
     /// All strands, where they fit the budget.
     pub resident: Option<Strands>,
+    /// Where they do not: ranges of triangles whose roots are made again for each tile.
+    pub batches: Vec<RootBatch>,
     /// Bytes that strands may take.
     pub strand_budget: u64,
     buffers: Vec<Buffer>,
@@ -58,6 +60,11 @@ impl Strands {
     /// `scope` with `batch`, `roots`, `strand_vertices` and `shades` added.
     pub fn scope<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
         scope.with(&self.buffers.iter().collect::<Vec<_>>())
+    }
+
+    /// Vertices of all strands, `segments + 1` each: position, then radius and opacity as the shader packs them.
+    pub(crate) fn vertices(&self) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == "strand_vertices")
     }
 }
 
@@ -174,6 +181,7 @@ impl<'g> Prepared<'g> {
             strands: 0,
             subelements: cells,
             resident: None,
+            batches: Vec::new(),
             strand_budget,
             buffers: made,
         };
@@ -208,6 +216,9 @@ impl<'g> Prepared<'g> {
                 if single {
                     self.resident = Some(strands);
                 }
+            }
+            if !single {
+                self.batches = batches;
             }
         }
         let mut recorder = Recorder::new(gpu);
@@ -245,7 +256,7 @@ impl<'g> Prepared<'g> {
     }
 
     /// Counts the roots of all triangles and cuts them into ranges whose strands fit the budget.
-    fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
+    pub(crate) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
         let density = world.scene.guard.density.max();
         let seed = world.scene.render.seed;
@@ -283,7 +294,19 @@ impl<'g> Prepared<'g> {
     }
 
     /// Makes the strands of a range of triangles.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn grow(&self, batch: &RootBatch, timings: &mut Timings) -> Result<Strands> {
+        let roots = self.roots(batch, timings)?;
+        self.grow_from(roots, batch.strands as u32, timings)
+    }
+
+    /// Makes the roots of a range of triangles.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
+    pub fn roots(&self, batch: &RootBatch, timings: &mut Timings) -> Result<Buffer> {
         let gpu = self.gpu;
         let triangles = batch.counts.len() as u32;
         let first_roots: Vec<u32> = batch
@@ -295,20 +318,20 @@ impl<'g> Prepared<'g> {
                 Some(first)
             })
             .collect();
-        let count = batch.strands as u32;
-        let roots = gpu.storage("roots", 3, u64::from(count) * std::mem::size_of::<Root>() as u64)?;
-        {
-            let range = HairRoots::batch(gpu, batch.first, triangles, batch.density, batch.seed)?;
-            let firsts = gpu.upload("first_roots", 1, &first_roots)?;
-            let mut recorder = Recorder::new(gpu);
-            let scope = self.scope().with(&[&range, &firsts, &roots]);
-            self.passes.hair_roots.record_emit(&mut recorder, &scope, triangles)?;
-            recorder.submit(timings)?;
-        }
-        self.grow_from(roots, count, timings)
+        let roots = gpu.storage("roots", 3, batch.strands * std::mem::size_of::<Root>() as u64)?;
+        let range = HairRoots::batch(gpu, batch.first, triangles, batch.density, batch.seed)?;
+        let firsts = gpu.upload("first_roots", 1, &first_roots)?;
+        let mut recorder = Recorder::new(gpu);
+        let scope = self.scope().with(&[&range, &firsts, &roots]);
+        self.passes.hair_roots.record_emit(&mut recorder, &scope, triangles)?;
+        recorder.submit(timings)?;
+        Ok(roots)
     }
 
-    /// Makes the strands of `count` roots.
+    /// Makes the strands of the first `count` of `roots`.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn grow_from(&self, roots: Buffer, count: u32, timings: &mut Timings) -> Result<Strands> {
         let gpu = self.gpu;
         let vertices = u64::from(count) * (u64::from(self.segments) + 1);
@@ -323,6 +346,9 @@ impl<'g> Prepared<'g> {
     }
 
     /// Shades strands from the finished light.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
     pub fn shade(&self, strands: &Strands, timings: &mut Timings) -> Result<()> {
         let mut recorder = Recorder::new(self.gpu);
         self.passes.guard_shade.record(&mut recorder, &strands.scope(&self.scope()), strands.count)?;

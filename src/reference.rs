@@ -9,9 +9,12 @@
 
 pub mod base_raster;
 pub mod edge_table;
+pub mod fibre;
+pub mod film;
 pub mod groom;
 pub mod guard_bins;
 pub mod guard_raster;
+pub mod guard_shade;
 pub mod guard_splat;
 pub mod guard_strands;
 pub mod hair_roots;
@@ -20,6 +23,7 @@ pub mod lattice;
 pub mod light_occlusion;
 pub mod noise;
 pub mod octahedral;
+pub mod resolve;
 pub mod shell;
 pub mod shell_entry;
 pub mod shell_lattice;
@@ -27,4 +31,7 @@ pub mod shell_prisms;
 pub mod strands;
 pub mod undercoat;
 pub mod undercoat_density;
+pub mod undercoat_light;
+pub mod undercoat_march;
+pub mod undercoat_source;
 pub mod view;

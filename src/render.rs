@@ -1,17 +1,21 @@
 //! Rendering a [`World`] to a [`Film`]: tiles of samples within a memory budget.
 
 mod plan;
+mod strands;
 mod tile;
+
+pub use strands::strands;
 
 use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;
 use crate::prepare::Prepared;
 use crate::scene::Blend;
 use crate::stats::{PassTime, Stats, Step};
-use crate::{Result, World, camera, film::Film, passes};
+use crate::{Error, Result, Scene, World, camera, film::Film, passes};
 use glam::Vec2;
 use plan::SamplePlan;
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
 
 /// What a rendering needs beside the world.
 #[derive(Default)]
@@ -42,8 +46,22 @@ pub struct Frame {
     pub film: Film,
     /// Counts, times, bytes.
     pub stats: Stats,
-    /// False if `cancel` ended it early.
+    /// False if `cancel` or a `fault` ended it early: then some tiles are empty.
     pub complete: bool,
+    /// The device was lost, and lost again when it had been opened anew; the film holds the tiles done before.
+    pub fault: Option<Error>,
+}
+
+/// What survives the loss of a device.
+struct Work {
+    started: Instant,
+    film: Film,
+    timings: Timings,
+    stats: Stats,
+    /// Tiles done.
+    done: usize,
+    /// Tiles in all; they are the same on a device with the same limits.
+    total: usize,
 }
 
 impl RenderOptions<'_> {
@@ -60,60 +78,124 @@ impl RenderOptions<'_> {
 
 /// Renders `world` on the adapter chosen by the environment (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF).
 ///
+/// A device that is lost is opened again once, and the rendering goes on with the tile that was lost. If that fails
+/// too, the frame holds the tiles that are done, and the fault.
+///
 /// # Errors
-/// [`crate::Error::Adapter`] without a sufficient adapter, [`crate::Error::OutOfMemory`] if even the smallest tile does not fit,
-/// [`crate::Error::DeviceLost`], [`crate::Error::Gpu`].
+/// [`Error::Adapter`] without a sufficient adapter, [`Error::OutOfMemory`] if even the smallest tile does not fit,
+/// [`Error::DeviceLost`] before the first tile is done, [`Error::Gpu`].
 pub fn render(world: &World, options: &RenderOptions<'_>) -> Result<Frame> {
-    render_on(&Gpu::open()?, world, options)
+    render_with(&Gpu::open, world, options)
 }
 
-/// Renders `world` on an open device.
+/// Renders `world` on a device that `open` opens; it is called again if that one is lost.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_with(
+    open: &dyn Fn() -> Result<Gpu>,
+    world: &World,
+    options: &RenderOptions<'_>,
+) -> Result<Frame> {
+    let mut work = Work::new(world, options);
+    let mut outcome = work.run(&open()?, world, options);
+    if let Err(Error::DeviceLost { during, reason }) = &outcome {
+        tracing::warn!("the GPU device was lost during {during} ({reason}); it is opened again");
+        // Where it does not open, the loss is what there is to tell.
+        if let Ok(gpu) = open() {
+            outcome = work.run(&gpu, world, options);
+        }
+    }
+    work.end(outcome)
+}
+
+/// Renders `world` on an open device; if it is lost, the frame holds the tiles that are done, and the fault.
 ///
 /// # Errors
 /// As [`render`].
 pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<Frame> {
-    let started = std::time::Instant::now();
-    let scene = &world.scene;
-    let mut timings = Timings::default();
-    let plan = SamplePlan::new(scene);
-    options.report(0.0, "shell_prisms");
-    let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
-    let prepared = Prepared::new(gpu, world, &view, &mut timings)?;
-    let mut film = tile::blank_film(scene.film.width, scene.film.height, options.aovs);
-    let mut tiles = tile::Tiles::new(&prepared, world, &plan, options.aovs)?;
-    let jobs = tiles.jobs(options.crop);
-    tiles.bin(&jobs, &mut timings)?;
-    let total = jobs.len();
-    let mut complete = true;
-    for (done, job) in jobs.iter().enumerate() {
-        if options.cancelled() {
-            complete = false;
-            break;
-        }
-        options.report(done as f32 / total as f32, "resolve");
-        tiles.render(job, &mut film, &mut timings)?;
-    }
-    options.report(1.0, "film");
-    let mut stats = tiles.stats;
-    fill_stats(&mut stats, gpu, world, &prepared, &timings);
-    stats.total_ms = started.elapsed().as_secs_f64() * 1e3;
-    Ok(Frame { film, stats, complete })
+    let mut work = Work::new(world, options);
+    let outcome = work.run(gpu, world, options);
+    work.end(outcome)
 }
 
-fn fill_stats(stats: &mut Stats, gpu: &Gpu, world: &World, prepared: &Prepared<'_>, timings: &Timings) {
-    let scene = &world.scene;
-    stats.adapter = gpu.info.name.clone();
-    stats.driver = format!("{} {}", gpu.info.driver, gpu.info.driver_info).trim().to_owned();
-    stats.width = scene.film.width;
-    stats.height = scene.film.height;
-    stats.spp = scene.film.spp;
-    stats.fur = format!("{:?}", scene.render.fur).to_lowercase();
-    stats.blend = format!("{:?}", scene.render.blend).to_lowercase();
-    stats.triangles = u64::from(prepared.triangles);
-    stats.strands = prepared.strands;
-    stats.subelements = prepared.subelements;
-    stats.storage = if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() };
-    stats.memory_budget_bytes = scene.render.memory;
+impl Work {
+    fn new(world: &World, options: &RenderOptions<'_>) -> Self {
+        let film = &world.scene.film;
+        Self {
+            started: Instant::now(),
+            film: tile::blank_film(film.width, film.height, options.aovs),
+            timings: Timings::default(),
+            stats: Stats::default(),
+            done: 0,
+            total: 0,
+        }
+    }
+
+    /// Renders the tiles that are not done yet. False if it was cancelled.
+    fn run(&mut self, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
+        let scene = &world.scene;
+        let plan = SamplePlan::new(scene);
+        options.report(0.0, "shell_prisms");
+        let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
+        let prepared = Prepared::new(gpu, world, &view, &mut self.timings)?;
+        let mut tiles = tile::Tiles::new(&prepared, world, &plan, options.aovs)?;
+        let jobs = tiles.jobs(options.crop);
+        tiles.bin(&jobs, &mut self.timings)?;
+        if self.total != jobs.len() {
+            // The first device, or another one with other limits: from the start.
+            (self.done, self.total, self.stats) = (0, jobs.len(), first_stats(gpu, scene, &prepared));
+        }
+        tiles.stats = self.stats.clone();
+        let mut complete = true;
+        while let Some(job) = jobs.get(self.done) {
+            if options.cancelled() {
+                complete = false;
+                break;
+            }
+            options.report(self.done as f32 / self.total as f32, "resolve");
+            tiles.render(job, &mut self.film, &mut self.timings)?;
+            self.done += 1;
+            self.stats = tiles.stats.clone();
+        }
+        options.report(1.0, "film");
+        fill_stats(&mut self.stats, gpu, &self.timings);
+        Ok(complete)
+    }
+
+    /// The frame, also of a rendering that lost its device after some tiles.
+    fn end(mut self, outcome: Result<bool>) -> Result<Frame> {
+        let (complete, fault) = match outcome {
+            Ok(complete) => (complete, None),
+            Err(fault @ Error::DeviceLost { .. }) if self.done > 0 => (false, Some(fault)),
+            Err(other) => return Err(other),
+        };
+        self.stats.total_ms = self.started.elapsed().as_secs_f64() * 1e3;
+        Ok(Frame { film: self.film, stats: self.stats, complete, fault })
+    }
+}
+
+/// What is known before the first tile is done.
+fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
+    Stats {
+        adapter: gpu.info.name.clone(),
+        driver: format!("{} {}", gpu.info.driver, gpu.info.driver_info).trim().to_owned(),
+        width: scene.film.width,
+        height: scene.film.height,
+        spp: scene.film.spp,
+        fur: format!("{:?}", scene.render.fur).to_lowercase(),
+        blend: format!("{:?}", scene.render.blend).to_lowercase(),
+        triangles: u64::from(prepared.triangles),
+        strands: prepared.strands,
+        subelements: prepared.subelements,
+        storage: if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() },
+        memory_budget_bytes: scene.render.memory,
+        ..Stats::default()
+    }
+}
+
+/// Times and bytes of the passes.
+fn fill_stats(stats: &mut Stats, gpu: &Gpu, timings: &Timings) {
     stats.gpu_peak_bytes = gpu.ledger.peak();
     let mut steps: Vec<Step> = passes::STEP_NAMES
         .iter()

@@ -292,9 +292,8 @@ mod rendering {
     use super::*;
     use std::time::Duration;
 
-    /// A scene that renders in a moment.
-    const SMALL: [&str; 8] =
-        ["render", "scenes/default.toml", "--size", "32x20", "--spp", "1", "-D", "guard.density=20"];
+    /// What there is to see in a moment.
+    const SMALL: [&str; 5] = ["render", "tests/data/small.toml", "--size", "32x20", "--quiet"];
 
     fn is_whole_png(path: &str) -> bool {
         image::open(path).is_ok_and(|i| i.width() > 0)
@@ -327,6 +326,7 @@ mod rendering {
         let (png, exr, stats) =
             (folder.write("out.png", "old"), folder.at("out.exr"), folder.at("stats.json"));
         let mut args = SMALL.to_vec();
+        args.pop();
         args.extend(["-o", &png, "-o", &exr, "--stats", &stats, "--json", "--progress", "text"]);
         let run = pelage(&args).expect(0, &["%"]);
         assert_eq!(folder.names(), ["out.exr", "out.png", "stats.json"]);
@@ -358,9 +358,11 @@ mod rendering {
             }
         }
         let mut quiet = SMALL.to_vec();
-        quiet.extend(["-o", &png, "--quiet"]);
+        quiet.extend(["-o", &png]);
         let run = pelage(&quiet).expect(0, &[]);
-        assert!(run.out.is_empty() && run.err.is_empty(), "{run:?}");
+        // Mesa's own remark where this variable is not set.
+        let said = run.err.lines().filter(|line| !line.contains("XDG_RUNTIME_DIR")).count();
+        assert!(run.out.is_empty() && said == 0, "{run:?}");
     }
 
     /// Starts a rendering that would take long, and waits for a first sign of progress.
@@ -368,7 +370,7 @@ mod rendering {
     fn start_long(image: &str) -> std::process::Child {
         use std::io::{BufRead, BufReader};
         let mut long = command();
-        long.args(["render", "scenes/default.toml", "--size", "1920x1200", "--spp", "4096", "-o", image]);
+        long.args(["render", "tests/data/small.toml", "--size", "1920x1200", "--tile", "64", "-o", image]);
         long.args(["--progress", "text"]).stderr(std::process::Stdio::piped());
         let mut child = long.spawn().unwrap();
         let mut lines = BufReader::new(child.stderr.take().unwrap()).lines();
@@ -430,7 +432,7 @@ mod rendering {
     fn two_renderings_at_once_to_the_same_file() {
         let folder = Folder::new();
         let image = folder.at("out.png");
-        let start = || command().args(SMALL).args(["-o", &image, "--quiet"]).spawn().unwrap();
+        let start = || command().args(SMALL).args(["-o", &image]).spawn().unwrap();
         let mut children = [start(), start()];
         for child in &mut children {
             assert_eq!(child.wait().unwrap().code(), Some(0));
@@ -443,11 +445,13 @@ mod rendering {
     fn export_writes_strands_and_mesh() {
         let folder = Folder::new();
         let (hair, obj) = (folder.at("a.hair"), folder.at("a.obj"));
-        let scene = "scenes/default.toml";
-        pelage(&["export", scene, "-D", "guard.density=20", "--strands", &hair, "--mesh", &obj])
-            .expect(0, &[]);
+        let args = ["export", "tests/data/small.toml", "--strands", &hair, "--mesh", &obj];
+        pelage(&args).expect(0, &[]);
         assert!(std::fs::read(&hair).unwrap().starts_with(b"HAIR"));
         assert!(std::fs::read_to_string(&obj).unwrap().lines().any(|l| l.starts_with("f ")));
         assert_eq!(folder.names(), ["a.hair", "a.obj"]);
+        let mut nothing = args.to_vec();
+        nothing.extend(["--fur", "implicit"]);
+        pelage(&nothing).expect(1, &["no guard hairs", "implicit"]);
     }
 }

@@ -62,7 +62,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f
 }
 
 // Prepares the next step: where it ends, what it holds. Where the ray has left the shell, `marching` becomes false.
-// A step that leaves through the top counts up to there, whether its middle is inside or not.
+// A step that leaves through the top or into the skin counts up to there, whether its middle is inside or not.
 fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
     (*m).dz = fur.step / (*m).speed;
@@ -71,14 +71,17 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let t = (*place).t;
     let slope = (*place).dt_dz;
     let climbs = slope > 0.0;
-    let z_top = z_mid + (1.0 - t) / select(slope, 1e-12, abs(slope) < 1e-12);
+    // Where a ray that climbs meets the top, one that sinks the skin.
+    let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / select(slope, 1e-12, abs(slope) < 1e-12);
     // Above the top is inside while the ray still comes down on it: the first step may begin there by rounding.
-    let inside = found == INSIDE && t >= 0.0 && select(t <= 1.0 + abs(slope) * dz, z_top > (*m).z, climbs) && !(*m).last;
+    let near = select(t <= 1.0 + abs(slope) * dz, t >= 0.0, climbs) && (z_out > (*m).z || (t >= 0.0 && t <= 1.0));
+    let inside = found == INSIDE && near && !(*m).last;
     (*m).lost += u32(found == LOST && !(*m).last);
     (*m).marching = inside;
-    (*m).last = climbs && z_top < (*m).z + dz;
-    (*m).z_end = select((*m).z + dz, z_top, (*m).last);
-    (*place).t = min(t, 1.0);
+    // The skin itself cuts a step whose middle lies above it.
+    (*m).last = select(t < 0.0, z_out < (*m).z + dz, climbs);
+    (*m).z_end = select((*m).z + dz, z_out, (*m).last);
+    (*place).t = clamp(t, 0.0, 1.0);
     let medium = medium_at(place);
     let source_density = source_radiance(place, medium, (*m).view);
     (*m).sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;

@@ -1,7 +1,7 @@
 //! `pelage bench`.
 
 use super::{args, backend::bench};
-use crate::{Result, film::io};
+use crate::{Result, files};
 use clap::Args;
 use std::{num::NonZeroU32, path::PathBuf};
 
@@ -26,7 +26,7 @@ pub(super) struct BenchArgs {
 
 pub(super) fn run(args: &BenchArgs) -> Result<()> {
     if let Some(path) = &args.json {
-        io::check_target(path)?;
+        files::check_target(path)?;
     }
     bench::run(&bench::Options {
         scenes: args.scenes.clone(),

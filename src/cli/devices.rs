@@ -1,8 +1,7 @@
 //! `pelage devices`.
 
 use super::output;
-use crate::gpu;
-use crate::{Error, Result};
+use crate::{Error, Result, gpu};
 use clap::Args;
 
 #[derive(Debug, Args)]
@@ -15,7 +14,7 @@ pub(super) struct DevicesArgs {
 /// Lists the adapters.
 ///
 /// # Errors
-/// [`Error::Adapter`] where there is none.
+/// [`Error::Adapter`] where there is none that suffices.
 pub(super) fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = gpu::list_adapters();
     if args.json {
@@ -36,10 +35,11 @@ pub(super) fn run(args: &DevicesArgs) -> Result<()> {
             ))?;
         }
     }
-    if adapters.is_empty() { Err(Error::Adapter(NO_ADAPTER.into())) } else { Ok(()) }
+    if adapters.is_empty() {
+        return Err(Error::Adapter(format!("no GPU adapter answers; {}", gpu::adapter::HELP)));
+    }
+    if adapters.iter().all(|a| a.lacks.is_some()) {
+        return Err(Error::Adapter(format!("no adapter is sufficient; {}", gpu::adapter::HELP)));
+    }
+    Ok(())
 }
-
-const NO_ADAPTER: &str = "no GPU adapter answers\n  \
-help: install a driver for Vulkan, Metal or DirectX 12; a software adapter will do \
-(Debian, Ubuntu: apt-get install mesa-vulkan-drivers; Fedora: dnf install mesa-vulkan-drivers; \
-Arch: pacman -S vulkan-swrast). WGPU_BACKEND and VK_DRIVER_FILES hide adapters where they are set.";

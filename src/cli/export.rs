@@ -3,10 +3,9 @@
 use super::{
     Global,
     args::SceneArgs,
-    backend::render,
     output::{self, count},
 };
-use crate::{Result, World, film::io, mesh};
+use crate::{Result, World, files, mesh, render};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -25,7 +24,7 @@ pub(super) struct ExportArgs {
 
 pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    args.strands.iter().chain(&args.mesh).try_for_each(|path| io::check_target(path))?;
+    args.strands.iter().chain(&args.mesh).try_for_each(|path| files::check_target(path))?;
     let world = World::load(scene, &assets)?;
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {
@@ -33,8 +32,9 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
         say(format!("{}: {} triangles\n", path.display(), count(world.skin.triangles.len() as u64)))?;
     }
     if let Some(path) = &args.strands {
-        render::strands(&world)?.write(path)?;
-        say(format!("{}: the guard hairs\n", path.display()))?;
+        let hair = render::strands(&world)?;
+        hair.write(path)?;
+        say(format!("{}: {} guard hairs\n", path.display(), count(hair.segments.len() as u64)))?;
     }
     Ok(())
 }

@@ -1,6 +1,6 @@
 //! Files and text that leave the program.
 
-use crate::{Error, Result, film::io};
+use crate::{Error, Result, files};
 use std::{io::Write, path::Path};
 
 /// Prints to stdout. A reader that has gone away (`pelage schema | head`) is no error.
@@ -19,7 +19,7 @@ pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
 
 /// Writes a JSON file whole or not at all.
 pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
-    io::write_atomically(path, |file| Ok(writeln!(file, "{value:#}")?))
+    files::write_buffered(path, |out| Ok(writeln!(out, "{value:#}")?))
 }
 
 /// The arguments of this process.

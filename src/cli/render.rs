@@ -8,7 +8,7 @@ use super::{
     progress::Display,
 };
 use crate::{
-    Error, Result, Scene, World,
+    Error, Result, Scene, World, files,
     film::{Metadata, composite, depth_of_field, io},
     render::{self, RenderOptions},
     stats::Stats,
@@ -34,7 +34,7 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
-/// Renders; on an interrupt the partial image is written before [`Error::Interrupted`] is returned.
+/// Renders; after an interrupt or the loss of the device the partial image is written before the error is returned.
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     let exr = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
@@ -43,7 +43,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
         return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
     }
     let (scene, assets) = args.scene.load()?;
-    args.outfile.iter().chain(&args.stats).try_for_each(|path| io::check_target(path))?;
+    args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(path))?;
     let cancel = interrupt::listen()?;
     let world = World::load(scene, &assets)?;
     if !global.quiet {
@@ -81,7 +81,11 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     } else if !global.quiet {
         output::print(&summary(args, &frame.stats))?;
     }
-    if frame.complete { Ok(()) } else { Err(Error::Interrupted) }
+    match frame.fault {
+        Some(fault) => Err(fault),
+        None if frame.complete => Ok(()),
+        None => Err(Error::Interrupted),
+    }
 }
 
 /// What an image says about how it was made. The resolved scene renders the same without the files it included or the

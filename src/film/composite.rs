@@ -11,7 +11,8 @@ use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
 /// A premultiplied pixel `front` over a premultiplied pixel `back`; both `[r g b a]`. The one function that blends
-/// two pictures. // [PorterDuff1984] over
+/// two pictures.
+// [PorterDuff1984] over
 pub fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
     let through = 1.0 - front[3];
     std::array::from_fn(|c| front[c] + through * back[c])
@@ -57,7 +58,7 @@ impl Backdrop {
                     ));
                 }
                 let path = assets.find(&scene.film.plate)?;
-                let film = io::read(&path).map_err(as_scene_fault)?;
+                let film = io::read_asset(&path)?;
                 let pixels = film.premultiplied()?;
                 if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
                     let (x, y) = (i % film.width as usize, i / film.width as usize);
@@ -157,14 +158,6 @@ impl Backdrop {
 /// As those two.
 pub fn over_background(film: &mut Film, scene: &Scene, assets: &Assets) -> Result<()> {
     Backdrop::load(scene, assets)?.under(film)
-}
-
-/// A damaged asset is a fault of the scene that names it.
-pub(crate) fn as_scene_fault(error: Error) -> Error {
-    match error {
-        Error::Io { path, reason } => Error::fault(path, reason),
-        other => other,
-    }
 }
 
 /// The camera's axes in world space.

@@ -33,7 +33,8 @@ const BLOCK: usize = 16;
 /// Signed diameter of the circle of confusion, pixels: positive behind the plane in focus.
 ///
 /// `aperture` is the diameter of the lens, `z` the depth and `focus` the distance of the plane in focus, cm;
-/// `focal_pixels` is film height / (2 tan(fov / 2)). // [Potmesil1981], thin lens
+/// `focal_pixels` is film height / (2 tan(fov / 2)).
+// [Potmesil1981], thin lens
 pub fn circle_of_confusion(aperture: f32, focus: f32, focal_pixels: f32, z: f32) -> f32 {
     let scale = aperture * focal_pixels / focus;
     if z.is_finite() { scale * (z - focus) / z.max(1e-6) } else { scale }
@@ -51,7 +52,7 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     };
     let focus = lens.focus.unwrap_or_else(|| (Vec3::from(camera.target) - Vec3::from(camera.eye)).length());
     let sensible = |v: f32| v.is_finite() && v > 0.0;
-    if !sensible(focus) || !(lens.aperture.is_finite() && lens.aperture >= 0.0) {
+    if !sensible(focus) || !lens.aperture.is_finite() || lens.aperture < 0.0 {
         return Err(Error::fault(
             "camera.lens",
             format!(

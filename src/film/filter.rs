@@ -21,8 +21,10 @@ pub fn usual_radius(filter: Filter) -> f32 {
 /// * box: 1.
 /// * triangle: `(r - |x|) (r - |y|)`.
 /// * gaussian: `g(x) g(y)`, `g(x) = exp(-x²/2σ²) - exp(-r²/2σ²)`, σ = 0.5 pixels at the usual radius of 1.5 and in
-///   proportion at others. // [Pharr2023] sec. 8.8
-/// * mitchell: B = C = 1/3, stretched to the radius; it has negative lobes. // [MitchellNetravali1988] eq. 8
+///   proportion at others.
+// [Pharr2023] sec. 8.8
+/// * mitchell: B = C = 1/3, stretched to the radius; it has negative lobes.
+// [MitchellNetravali1988] eq. 8
 pub fn weight(filter: Filter, radius: f32, x: f32, y: f32) -> f32 {
     (weight_1d(filter, f64::from(radius), f64::from(x)) * weight_1d(filter, f64::from(radius), f64::from(y)))
         as f32

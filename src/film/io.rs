@@ -1,13 +1,16 @@
 //! Writing a film (atomically) and reading one back.
 
 use super::{Film, Metadata, exr, png};
-use crate::{Error, Result, scene::FilmSpec};
+use crate::{
+    Error, Result,
+    files::{Failure, check_target, write_atomically, write_buffered},
+    scene::FilmSpec,
+};
 use std::{
-    error::Error as StdError,
     fs::File,
-    io::{BufReader, Seek, Write},
+    io::{BufReader, Seek},
     panic::{AssertUnwindSafe, catch_unwind},
-    path::{Path, PathBuf},
+    path::Path,
 };
 
 /// Largest number of pixels of an image that is read: 16,384 x 16,384. Checked against the header before anything
@@ -16,9 +19,6 @@ pub const MAX_PIXELS: u64 = 1 << 28;
 
 /// Largest number of values (pixels times channels) of an image that is read: 4 GiB as 32-bit floats.
 pub const MAX_VALUES: u64 = 1 << 30;
-
-/// What a decoder or encoder reports; the caller adds the file.
-pub(super) type Failure = Box<dyn StdError + Send + Sync>;
 
 /// Image formats by file name extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -29,24 +29,25 @@ enum Format {
 }
 
 impl Format {
-    fn of(path: &Path, known: &[(&str, Self)], verb: &str) -> Result<Self> {
+    fn of(path: &Path, known: &[(&str, Self)], verb: &str) -> Result<Self, String> {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         known.iter().find(|(name, _)| *name == extension).map(|(_, format)| *format).ok_or_else(|| {
             let names = known.iter().map(|(name, _)| format!(".{name}")).collect::<Vec<_>>().join(", ");
-            Error::Usage(format!(
-                "{}: cannot {verb} an image with the extension \"{extension}\"; known: {names}",
-                path.display()
-            ))
+            format!("cannot {verb} an image with the extension \"{extension}\"; known: {names}")
         })
     }
 
     fn to_write(path: &Path) -> Result<Self> {
-        Self::of(path, &[("exr", Self::Exr), ("png", Self::Png)], "write")
+        Self::of(path, &[("exr", Self::Exr), ("png", Self::Png)], "write").map_err(|m| wrong_usage(path, &m))
     }
 
-    fn to_read(path: &Path) -> Result<Self> {
+    fn to_read(path: &Path) -> Result<Self, String> {
         Self::of(path, &[("exr", Self::Exr), ("png", Self::Png), ("hdr", Self::Hdr)], "read")
     }
+}
+
+fn wrong_usage(path: &Path, message: &str) -> Error {
+    Error::Usage(format!("{}: {message}", path.display()))
 }
 
 /// Writes `film` to `path`: all planes, linear, as EXR; or `R G B A` as 8-bit sRGB PNG through exposure and tone
@@ -63,7 +64,7 @@ pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSp
         Format::Exr => write_atomically(path, |file| exr::encode(film, file, meta)),
         Format::Png | Format::Hdr => {
             let pixels = film.premultiplied()?;
-            write_atomically(path, |file| png::encode(film.width, film.height, &pixels, file, meta, spec))
+            write_buffered(path, |out| png::encode(film.width, film.height, &pixels, out, meta, spec))
         }
     }
 }
@@ -77,84 +78,6 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
     let path = path.as_ref();
     Format::to_write(path)?;
     check_target(path)
-}
-
-/// [`check_writable`] for any file, not only images.
-///
-/// # Errors
-/// [`Error::Io`].
-pub fn check_target(path: &Path) -> Result<()> {
-    let target = resolved(path)?;
-    let mut file = temporary(&target).map_err(|e| Error::io(path, e))?;
-    // 64 KiB find a full disk that would still take an empty file.
-    file.write_all(&[0; 1 << 16])
-        .and_then(|()| file.as_file().sync_all())
-        .map_err(|e| Error::io(path, format!("cannot be written: {e}")))
-}
-
-/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. The old file stays until the
-/// new one is complete, and stays for good where anything fails. Works for any kind of file.
-///
-/// # Errors
-/// [`Error::Io`] with the file and what failed.
-pub fn write_atomically<F>(path: &Path, write: F) -> Result<()>
-where
-    F: FnOnce(&mut File) -> Result<(), Box<dyn StdError + Send + Sync>>,
-{
-    let target = resolved(path)?;
-    let fail = |e: &dyn std::fmt::Display| Error::io(path, format!("cannot be written: {e}"));
-    let mut file = temporary(&target).map_err(|e| fail(&e))?;
-    write(file.as_file_mut()).map_err(|e| fail(&e))?;
-    file.as_file().sync_all().map_err(|e| fail(&e))?;
-    file.persist(&target).map_err(|e| fail(&e.error))?;
-    // The rename itself is safe on disk once the folder is.
-    #[cfg(unix)]
-    if let Ok(folder) = File::open(folder_of(&target)) {
-        folder.sync_all().ok();
-    }
-    Ok(())
-}
-
-/// The file to replace: links are followed, so that they stay links.
-fn resolved(path: &Path) -> Result<PathBuf> {
-    let fail = |reason: String| Err(Error::io(path, reason));
-    if path.file_name().is_none() {
-        return fail("is not a file name".into());
-    }
-    let Ok(meta) = std::fs::metadata(path) else {
-        let folder = folder_of(path);
-        if !folder.is_dir() {
-            return fail(format!("the folder {} does not exist: create it first", folder.display()));
-        }
-        return Ok(path.to_owned());
-    };
-    if meta.is_dir() {
-        return fail("is a folder, expected a file name".into());
-    }
-    if !meta.is_file() {
-        return fail("is not a regular file: images are written to a temporary file and renamed".into());
-    }
-    if meta.permissions().readonly() {
-        return fail("is write-protected: remove it, change its permissions or choose another name".into());
-    }
-    path.canonicalize().map_err(|e| Error::io(path, e))
-}
-
-fn folder_of(path: &Path) -> &Path {
-    match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    }
-}
-
-/// A unique temporary beside `target`, removed when dropped.
-fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".pelage-").suffix(".part");
-    // tempfile's own default is private to the user; the umask decides here as for any other output.
-    #[cfg(unix)]
-    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder_of(target))
 }
 
 /// Reads an image as a film: linear, premultiplied, at least `R G B A`.
@@ -172,12 +95,54 @@ fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
 /// deep data, subsampled channels, a data window other than the display window, HDR orientations other than -Y +X.
 pub fn read(path: impl AsRef<Path>) -> Result<Film> {
     let path = path.as_ref();
-    let format = Format::to_read(path)?;
+    let format = Format::to_read(path).map_err(|m| wrong_usage(path, &m))?;
+    read_format(path, format)
+}
+
+fn read_format(path: &Path, format: Format) -> Result<Film> {
     decode(path, |input, bytes| match format {
         Format::Exr => exr::decode(input, bytes),
         Format::Png => png::decode(input),
         Format::Hdr => decode_hdr(input),
     })
+}
+
+/// [`read`] for what a scene names.
+///
+/// # Errors
+/// [`Error::Scene`] where [`read`] fails.
+pub(crate) fn read_asset(path: &Path) -> Result<Film> {
+    let format = Format::to_read(path).map_err(|m| Error::fault(path, m))?;
+    read_format(path, format).map_err(as_scene_fault)
+}
+
+fn as_scene_fault(error: Error) -> Error {
+    match error {
+        Error::Io { path, reason } => Error::fault(path, reason),
+        other => other,
+    }
+}
+
+/// Width, height and RGBA texels row by row from the top, with straight alpha.
+pub(crate) type Texels = (u32, u32, Vec<[f32; 4]>);
+
+/// Reads an image that a scene names as straight texels. Where it holds a `color`, a PNG is decoded from sRGB and
+/// premultiplied formats are divided by alpha; else the values are as the file has them, those of a PNG scaled to 0..1.
+///
+/// # Errors
+/// As [`read_asset`].
+pub(crate) fn read_texels(path: &Path, color: bool) -> Result<Texels> {
+    if Format::to_read(path) == Ok(Format::Png) {
+        return decode(path, |input, _| png::decode_texels(input, color)).map_err(as_scene_fault);
+    }
+    let film = read_asset(path)?;
+    let mut texels = film.premultiplied()?;
+    if color {
+        for [rgb @ .., alpha] in texels.iter_mut().filter(|t| t[3] > 0.0) {
+            rgb.iter_mut().for_each(|v| *v /= *alpha);
+        }
+    }
+    Ok((film.width, film.height, texels))
 }
 
 /// Reads the `pelage.*` entries of a PNG or EXR file.
@@ -186,7 +151,7 @@ pub fn read(path: impl AsRef<Path>) -> Result<Film> {
 /// As [`read`].
 pub fn read_metadata(path: impl AsRef<Path>) -> Result<Metadata> {
     let path = path.as_ref();
-    let format = Format::to_read(path)?;
+    let format = Format::to_read(path).map_err(|m| wrong_usage(path, &m))?;
     decode(path, |input, _| match format {
         Format::Exr => exr::decode_metadata(input),
         Format::Png => png::decode_metadata(input),

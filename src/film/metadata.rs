@@ -46,17 +46,22 @@ impl Metadata {
         self.with("adapter", adapter).with("driver", driver)
     }
 
-    /// `command_line`: the arguments, those with blanks in double quotes.
+    /// `command_line`: the program without its folder, then the arguments, those with blanks in double quotes.
     pub fn with_command_line<S: AsRef<str>>(self, arguments: impl IntoIterator<Item = S>) -> Self {
-        let quoted = |argument: S| {
-            let argument = argument.as_ref();
+        let quoted = |(i, argument): (usize, S)| {
+            let mut argument = argument.as_ref();
+            if i == 0 {
+                // An image that is passed on need not tell where its maker keeps programs.
+                argument = argument.rsplit(['/', '\\']).next().unwrap_or_default();
+            }
             if argument.is_empty() || argument.contains(char::is_whitespace) {
                 format!("{argument:?}")
             } else {
                 argument.to_owned()
             }
         };
-        self.with("command_line", arguments.into_iter().map(quoted).collect::<Vec<_>>().join(" "))
+        let words: Vec<String> = arguments.into_iter().enumerate().map(quoted).collect();
+        self.with("command_line", words.join(" "))
     }
 
     /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` a pass, `n/a` where the

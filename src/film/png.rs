@@ -2,16 +2,16 @@
 
 use super::{
     Film, Metadata,
-    io::{Failure, MAX_PIXELS, check_size},
-    tonemap::{display_rgb8, srgb_decode},
+    io::{MAX_PIXELS, Texels, check_size},
+    tonemap::{clamped, display_rgb8, srgb_decode},
 };
-use crate::scene::FilmSpec;
+use crate::{files::Failure, scene::FilmSpec};
 use ::png::text_metadata::ITXtChunk;
 use glam::Vec3;
 use rayon::prelude::*;
 use std::{
     fs::File,
-    io::{BufReader, BufWriter, Write},
+    io::{BufReader, Write},
 };
 
 /// What a key is called in a file.
@@ -23,7 +23,7 @@ pub(super) fn encode(
     width: u32,
     height: u32,
     premultiplied: &[[f32; 4]],
-    file: &mut File,
+    out: &mut impl Write,
     meta: &Metadata,
     spec: &FilmSpec,
 ) -> Result<(), Failure> {
@@ -31,7 +31,7 @@ pub(super) fn encode(
     let channels = if opaque { 3 } else { 4 };
     let mut bytes = vec![0u8; premultiplied.len() * channels];
     bytes.par_chunks_mut(channels).zip(premultiplied).for_each(|(to, &[r, g, b, a])| {
-        let alpha = a.max(0.0).min(1.0);
+        let alpha = clamped(a, 1.0);
         // Colour without coverage (a glow) cannot be written straight: it is dropped with its pixel.
         let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
         to[..3].copy_from_slice(&display_rgb8(straight, spec));
@@ -40,8 +40,7 @@ pub(super) fn encode(
         }
     });
 
-    let mut out = BufWriter::new(file);
-    let mut encoder = ::png::Encoder::new(&mut out, width, height);
+    let mut encoder = ::png::Encoder::new(out, width, height);
     encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
     encoder.set_depth(::png::BitDepth::Eight);
     encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
@@ -56,8 +55,7 @@ pub(super) fn encode(
         writer.write_text_chunk(&chunk)?;
     }
     writer.write_image_data(&bytes)?;
-    writer.finish()?;
-    Ok(out.flush()?)
+    Ok(writer.finish()?)
 }
 
 /// What `image` may allocate for the largest picture that is read (16 bits a channel).
@@ -67,22 +65,23 @@ pub(super) fn limits() -> image::Limits {
     limits
 }
 
-/// Decodes a PNG of any colour type to premultiplied linear planes.
-pub(super) fn decode(input: &mut BufReader<File>) -> Result<Film, Failure> {
+/// Decodes a PNG of any colour type to texels with straight alpha; colours, where it holds any, from sRGB.
+pub(super) fn decode_texels(input: &mut BufReader<File>, color: bool) -> Result<Texels, Failure> {
     use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
     let decoder = PngDecoder::with_limits(input, limits())?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), 4)?;
     let pixels = DynamicImage::from_decoder(decoder)?.into_rgba32f();
-    let mut film = Film::new(width, height);
-    let alpha: Vec<f32> = pixels.pixels().map(|p| p.0[3]).collect();
-    for (c, plane) in film.planes[..3].iter_mut().enumerate() {
-        plane.data.par_iter_mut().zip(pixels.as_raw().par_chunks(4)).for_each(|(to, p)| {
-            *to = srgb_decode(p[c]) * p[3];
-        });
-    }
-    film.planes[3].data = alpha;
-    Ok(film)
+    let linear = |v: f32| if color { srgb_decode(v) } else { v };
+    let texels = pixels.as_raw().par_chunks(4).map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), p[3]]);
+    Ok((width, height, texels.collect()))
+}
+
+/// Decodes a PNG to premultiplied linear planes.
+pub(super) fn decode(input: &mut BufReader<File>) -> Result<Film, Failure> {
+    let (width, height, mut texels) = decode_texels(input, true)?;
+    texels.par_iter_mut().for_each(|[rgb @ .., alpha]| rgb.iter_mut().for_each(|v| *v *= *alpha));
+    Ok(Film::from_premultiplied(width, height, &texels))
 }
 
 /// The `pelage.*` text chunks in front of the image data.

@@ -3,32 +3,40 @@
 use crate::scene::{FilmSpec, Tonemap};
 use glam::{DMat3, DVec3, Vec3};
 
-/// Relative luminance of linear Rec. 709 colour. // [BT709] sec. 3
+/// Relative luminance of linear Rec. 709 colour.
+// [BT709] sec. 3
 pub fn luminance(rgb: Vec3) -> f32 {
     rgb.dot(Vec3::new(0.2126, 0.7152, 0.0722))
 }
 
-/// sRGB code value, 0..1, of a linear value; values outside 0..1 are clamped, NaN becomes 0. // [IEC61966] sec. 5.2
+/// `value` in 0..=`limit`; NaN becomes 0.
+pub(super) fn clamped(value: f32, limit: f32) -> f32 {
+    if value.is_nan() { 0.0 } else { value.clamp(0.0, limit) }
+}
+
+/// sRGB code value, 0..1, of a linear value; values outside 0..1 are clamped, NaN becomes 0.
+// [IEC61966] sec. 5.2
 pub fn srgb_encode(linear: f32) -> f32 {
-    // `max` first: it turns NaN into 0.
-    let x = linear.max(0.0).min(1.0);
+    let x = clamped(linear, 1.0);
     if x <= 0.003_130_8 { 12.92 * x } else { 1.055 * x.powf(1.0 / 2.4) - 0.055 }
 }
 
-/// Linear value of an sRGB code value, both 0..1. // [IEC61966] sec. 5.2
+/// Linear value of an sRGB code value, both 0..1.
+// [IEC61966] sec. 5.2
 pub fn srgb_decode(code: f32) -> f32 {
-    let x = code.max(0.0).min(1.0);
+    let x = clamped(code, 1.0);
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
 /// Maps exposed linear Rec. 709 colour to display-linear colour in 0..1. Negative and NaN inputs count as 0.
 ///
 /// * `none` clamps.
-/// * `neutral`: Khronos PBR neutral. // [Khronos2024] PBR Neutral specification
-/// * `agx`: base look without a grading, with the 2.2 display exponent undone. // [Sobotka2022], [Wrensch2023]
-/// * `aces`: Narkowicz's fit of the ACES RRT and ODT, without his 0.6 pre-exposure. // [Narkowicz2015]
+/// * `neutral`: Khronos PBR neutral.
+/// * `agx`: base look without a grading, with the 2.2 display exponent undone.
+/// * `aces`: Narkowicz's fit of the ACES RRT and ODT, without his 0.6 pre-exposure.
+// [Khronos2024] PBR Neutral specification; [Sobotka2022], [Wrensch2023]; [Narkowicz2015]
 pub fn tone_map(kind: Tonemap, rgb: Vec3) -> Vec3 {
-    let rgb = Vec3::from(rgb.to_array().map(|v| v.max(0.0).min(f32::MAX)));
+    let rgb = Vec3::from(rgb.to_array().map(|v| clamped(v, f32::MAX)));
     let mapped = match kind {
         Tonemap::None => rgb,
         Tonemap::Neutral => neutral(rgb),
@@ -44,7 +52,8 @@ pub fn display_rgb8(straight: Vec3, spec: &FilmSpec) -> [u8; 3] {
     display.to_array().map(|v| (srgb_encode(v) * 255.0).round() as u8)
 }
 
-/// [Khronos2024]: F90 = 0.04, Ks = 0.8 - F90, Kd = 0.15.
+/// Khronos PBR neutral.
+// [Khronos2024] F90 = 0.04, Ks = 0.8 - F90, Kd = 0.15
 fn neutral(rgb: Vec3) -> Vec3 {
     const F90: f32 = 0.04;
     const KS: f32 = 0.8 - F90;
@@ -95,7 +104,8 @@ fn agx(rgb: Vec3) -> Vec3 {
     DVec3::from(display.to_array().map(|v| v.clamp(0.0, 1.0).powf(2.2))).as_vec3()
 }
 
-/// Hyperbolic sigmoid through (0, 0), the pivot (10 / 16.5, 0.5) and (1, 1). // [Sobotka2022]
+/// Hyperbolic sigmoid through (0, 0), the pivot (10 / 16.5, 0.5) and (1, 1).
+// [Sobotka2022]
 fn agx_sigmoid(x: f64) -> f64 {
     const PIVOT: f64 = 10.0 / 16.5;
     const SLOPE: f64 = 2.0;

@@ -21,7 +21,8 @@ pub struct AdapterSummary {
     pub lacks: Option<String>,
 }
 
-const HELP: &str = "install a Vulkan driver; without a GPU, Mesa's software adapter will do \
+/// What to do without an adapter.
+pub(crate) const HELP: &str = "install a Vulkan driver; without a GPU, Mesa's software adapter will do \
                     (Debian and Ubuntu: mesa-vulkan-drivers, Fedora: mesa-vulkan-drivers, Arch: vulkan-swrast)";
 
 fn instance() -> wgpu::Instance {

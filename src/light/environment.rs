@@ -6,7 +6,7 @@
 use super::Light;
 use crate::{
     Error, Result,
-    film::{Film, composite::as_scene_fault, io, tonemap::luminance},
+    film::{Film, io, tonemap::luminance},
 };
 use glam::{DVec3, Quat, Vec3};
 use std::{f64::consts::PI, path::Path};
@@ -34,7 +34,7 @@ impl Panorama {
     /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds values that are not
     /// finite; [`Error::Usage`] for an unknown extension.
     pub fn load(path: &Path) -> Result<Self> {
-        let film = io::read(path).map_err(as_scene_fault)?;
+        let film = io::read_asset(path)?;
         Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
     }
 
@@ -100,22 +100,16 @@ impl Panorama {
 
     /// Radiance integrated over the sphere, linear RGB.
     pub fn total(&self) -> DVec3 {
-        self.whole().light(self).1
+        Sphere::of(self).light(&self.whole()).irradiance
     }
 
     fn whole(&self) -> Region {
         Region { x: [0, self.width], y: [0, self.height] }
     }
-
-    /// Luminous energy of a texel: luminance times solid angle.
-    fn energy(&self, x: usize, y: usize) -> f64 {
-        f64::from(luminance(Vec3::from(self.texels[y * self.width + x]))) * self.solid_angle(y)
-    }
 }
 
-/// Regions narrower and lower than this are not split (radians, one degree): the lights would be one to the fur,
-/// while the sun alone would take most of them.
-const SMALLEST_SPLIT: f64 = PI / 180.0;
+/// Three degrees, less than hairs' highlights are wide: lights closer than this would be one to the fur.
+const SMALLEST_ANGLE: f64 = PI / 60.0;
 
 /// A rectangle of texels, ends exclusive.
 #[derive(Debug, Clone, Copy)]
@@ -124,58 +118,91 @@ struct Region {
     y: [usize; 2],
 }
 
-impl Region {
-    /// Energy-weighted sum of directions, and the integral of radiance.
-    fn light(&self, map: &Panorama) -> (DVec3, DVec3) {
-        let (mut direction, mut irradiance) = (DVec3::ZERO, DVec3::ZERO);
-        for y in self.y[0]..self.y[1] {
-            let solid_angle = map.solid_angle(y);
-            for x in self.x[0]..self.x[1] {
-                let rgb = Vec3::from(map.texels[y * map.width + x]);
-                irradiance += rgb.as_dvec3() * solid_angle;
-                let center = map.direction_of([x as f64 + 0.5, y as f64 + 0.5]);
-                direction += center * (f64::from(luminance(rgb)) * solid_angle);
-            }
-        }
-        (direction, irradiance)
+/// Sums over the texels of a region, or of several.
+#[derive(Debug, Clone, Copy)]
+struct Sums {
+    /// Luminous energy: luminance times solid angle.
+    energy: f64,
+    /// Directions, weighted by energy.
+    direction: DVec3,
+    /// Radiance times solid angle.
+    irradiance: DVec3,
+}
+
+impl Sums {
+    fn direction(&self) -> DVec3 {
+        self.direction.normalize_or(DVec3::Y)
+    }
+}
+
+/// A map with the sines and cosines of its rows and columns.
+struct Sphere<'a> {
+    map: &'a Panorama,
+    /// Solid angle of a texel, sine and cosine of the polar angle of its centre, by row.
+    rows: Vec<[f64; 3]>,
+    /// Sine and cosine of the azimuth, by column.
+    columns: Vec<[f64; 2]>,
+}
+
+impl<'a> Sphere<'a> {
+    fn of(map: &'a Panorama) -> Self {
+        let row = |y: usize| {
+            let (sin, cos) = ((y as f64 + 0.5) / map.height as f64 * PI).sin_cos();
+            [map.solid_angle(y), sin, cos]
+        };
+        let column = |x: usize| {
+            let (sin, cos) = (((x as f64 + 0.5) / map.width as f64 - 0.5) * 2.0 * PI).sin_cos();
+            [sin, cos]
+        };
+        Self { map, rows: (0..map.height).map(row).collect(), columns: (0..map.width).map(column).collect() }
     }
 
-    /// Luminous energy.
-    fn energy(&self, map: &Panorama) -> f64 {
-        self.sums(map, true).iter().sum()
-    }
-
-    /// Energies of its rows, or of its columns.
-    fn sums(&self, map: &Panorama, rows: bool) -> Vec<f64> {
-        let mut sums = vec![0.0; if rows { self.y[1] - self.y[0] } else { self.x[1] - self.x[0] }];
-        for y in self.y[0]..self.y[1] {
-            for x in self.x[0]..self.x[1] {
-                sums[if rows { y - self.y[0] } else { x - self.x[0] }] += map.energy(x, y);
+    /// Calls `each` with column, row, radiance and luminous energy of the texels of a region.
+    fn scan(&self, region: &Region, mut each: impl FnMut(usize, usize, Vec3, f64)) {
+        for y in region.y[0]..region.y[1] {
+            for x in region.x[0]..region.x[1] {
+                let radiance = Vec3::from(self.map.texels[y * self.map.width + x]);
+                each(x, y, radiance, f64::from(luminance(radiance)) * self.rows[y][0]);
             }
         }
+    }
+
+    fn light(&self, region: &Region) -> Sums {
+        let mut sums = Sums { energy: 0.0, direction: DVec3::ZERO, irradiance: DVec3::ZERO };
+        self.scan(region, |x, y, radiance, energy| {
+            let ([solid_angle, sin, cos], [x_sin, x_cos]) = (self.rows[y], self.columns[x]);
+            sums.energy += energy;
+            sums.direction += DVec3::new(sin * x_sin, cos, -sin * x_cos) * energy;
+            sums.irradiance += radiance.as_dvec3() * solid_angle;
+        });
         sums
     }
 
     /// Angular width (at the centre row) and height, radians.
-    fn extent(&self, map: &Panorama) -> [f64; 2] {
-        let polar = 0.5 * (self.y[0] + self.y[1]) as f64 / map.height as f64 * PI;
+    fn extent(&self, region: &Region) -> [f64; 2] {
+        let Region { x, y } = region;
+        let polar = 0.5 * (y[0] + y[1]) as f64 / self.map.height as f64 * PI;
         [
-            (self.x[1] - self.x[0]) as f64 * 2.0 * PI / map.width as f64 * polar.sin(),
-            (self.y[1] - self.y[0]) as f64 * PI / map.height as f64,
+            (x[1] - x[0]) as f64 * 2.0 * PI / self.map.width as f64 * polar.sin(),
+            (y[1] - y[0]) as f64 * PI / self.map.height as f64,
         ]
     }
 
-    /// Whether a split makes two lights that differ.
-    fn splittable(&self, map: &Panorama) -> bool {
-        let texels = (self.x[1] - self.x[0]) * (self.y[1] - self.y[0]);
-        texels > 1 && self.extent(map).into_iter().any(|e| e > SMALLEST_SPLIT)
+    /// Whether a split makes two lights that may differ.
+    fn splittable(&self, region: &Region) -> bool {
+        let texels = (region.x[1] - region.x[0]) * (region.y[1] - region.y[0]);
+        texels > 1 && self.extent(region).into_iter().any(|e| e > SMALLEST_ANGLE)
     }
 
     /// Splits across the longer side where the energy halves.
-    fn split(&self, map: &Panorama) -> [Self; 2] {
-        let [width, height] = self.extent(map);
-        let rows = (height > width || self.x[1] - self.x[0] < 2) && self.y[1] - self.y[0] >= 2;
-        let sums = self.sums(map, rows);
+    fn split(&self, region: &Region) -> [Region; 2] {
+        let Region { x, y } = *region;
+        let [width, height] = self.extent(region);
+        let rows = (height > width || x[1] - x[0] < 2) && y[1] - y[0] >= 2;
+        let mut sums = vec![0.0; if rows { y[1] - y[0] } else { x[1] - x[0] }];
+        self.scan(region, |column, row, _, energy| {
+            sums[if rows { row - y[0] } else { column - x[0] }] += energy;
+        });
         let half = 0.5 * sums.iter().sum::<f64>();
         let (mut before, mut best, mut cut) = (0.0, f64::INFINITY, 1);
         for (i, sum) in sums[..sums.len() - 1].iter().enumerate() {
@@ -184,51 +211,79 @@ impl Region {
                 (best, cut) = ((before - half).abs(), i + 1);
             }
         }
-        let (mut first, mut second) = (*self, *self);
         if rows {
-            first.y[1] = self.y[0] + cut;
-            second.y[0] = first.y[1];
+            [Region { x, y: [y[0], y[0] + cut] }, Region { x, y: [y[0] + cut, y[1]] }]
         } else {
-            first.x[1] = self.x[0] + cut;
-            second.x[0] = first.x[1];
+            [Region { x: [x[0], x[0] + cut], y }, Region { x: [x[0] + cut, x[1]], y }]
         }
-        [first, second]
     }
+}
+
+/// Adds up what lies closer together than [`SMALLEST_ANGLE`], the brightest first; leaves dark sums out.
+fn merged(regions: &[(Region, Sums)]) -> Vec<Sums> {
+    let mut sorted: Vec<&Sums> =
+        regions.iter().map(|(_, sums)| sums).filter(|sums| sums.irradiance.max_element() > 0.0).collect();
+    sorted.sort_by(|a, b| b.energy.total_cmp(&a.energy));
+    let mut result: Vec<Sums> = Vec::new();
+    for sums in sorted {
+        let direction = sums.direction();
+        match result.iter_mut().find(|s| s.direction().dot(direction) > SMALLEST_ANGLE.cos()) {
+            Some(near) => {
+                near.energy += sums.energy;
+                near.direction += sums.direction;
+                near.irradiance += sums.irradiance;
+            }
+            None => result.push(*sums),
+        }
+    }
+    result
 }
 
 /// Turns a map into at most `n` directional lights (map space) that have its energy in each channel.
 ///
-/// The region with the most energy is split across its longer side where its energy halves, until there are `n`;
-/// each region becomes a light at the energy-weighted centroid of its directions. [Debevec2005] splits all regions
-/// of a level instead, which allows powers of two only. Regions below one degree are not split, dark ones give no
-/// light: there may be fewer than `n` lights.
-///
-/// DEVIATION: [Debevec2005] splits down to the texel, so that a sun takes most of the lights.
+/// The region with the most energy is split across its longer side where its energy halves, until there are `n`
+/// lights; each is the energy-weighted centroid of its region's directions. Debevec (2005) splits all regions of a
+/// level instead, which allows powers of two only. There are fewer lights than `n` where the map has no more to
+/// distinguish: a dark region gives none.
+// [Debevec2005]
+// DEVIATION: [Debevec2005] splits down to the texel and keeps all lights, so that a sun, through which every cut
+// goes, takes most of them. Here lights closer than three degrees are one, and the others get its share of splits.
 pub fn median_cut(panorama: &Panorama, n: u32) -> Vec<Light> {
     if n == 0 {
         return Vec::new();
     }
-    let whole = panorama.whole();
-    let mut regions = vec![(whole, whole.energy(panorama))];
-    while regions.len() < n as usize {
+    let sphere = Sphere::of(panorama);
+    let with_sums = |region: Region| (region, sphere.light(&region));
+    let mut regions = vec![with_sums(panorama.whole())];
+    let mut lights = merged(&regions);
+    // Four times as many regions as lights bound the work where everything is merged.
+    while lights.len() < n as usize && regions.len() < 4 * n as usize {
         let brightest = (0..regions.len())
-            .filter(|i| regions[*i].1 > 0.0 && regions[*i].0.splittable(panorama))
-            .max_by(|a, b| regions[*a].1.total_cmp(&regions[*b].1));
+            .filter(|i| regions[*i].1.energy > 0.0 && sphere.splittable(&regions[*i].0))
+            .max_by(|a, b| regions[*a].1.energy.total_cmp(&regions[*b].1.energy));
         let Some(i) = brightest else { break };
-        let [first, second] = regions[i].0.split(panorama);
-        regions[i] = (first, first.energy(panorama));
-        regions.push((second, second.energy(panorama)));
+        let [first, second] = sphere.split(&regions[i].0);
+        regions[i] = with_sums(first);
+        regions.push(with_sums(second));
+        let more = merged(&regions);
+        // A split may part what was merged with others and so add more than one light.
+        if more.len() > n as usize {
+            break;
+        }
+        lights = more;
     }
-    let light = |(region, _): &(Region, f64)| {
-        let (direction, irradiance) = region.light(panorama);
-        let direction = direction.normalize_or(DVec3::Y).as_vec3().normalize();
-        Light { direction, irradiance: irradiance.as_vec3(), environment: true, undercoat: true }
+    let light = |sums: &Sums| Light {
+        direction: sums.direction().as_vec3().normalize(),
+        irradiance: sums.irradiance.as_vec3(),
+        environment: true,
+        undercoat: true,
     };
-    regions.iter().map(light).filter(|l| l.irradiance.max_element() > 0.0).collect()
+    lights.iter().map(light).collect()
 }
 
 /// `n` lights of equal solid angle, spread over the sphere (a Fibonacci spiral), for a sky of the same `radiance`
-/// everywhere; together they give 4 pi times the radiance. // [Swinbank2006]
+/// everywhere; together they give 4 pi times the radiance.
+// [Swinbank2006]
 pub fn uniform_sky(radiance: Vec3, n: u32) -> Vec<Light> {
     let golden_angle = PI * (3.0 - 5f64.sqrt());
     (0..n)

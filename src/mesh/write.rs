@@ -1,17 +1,17 @@
-//! Writing OBJ, and writing files atomically.
+//! Writing OBJ.
 
-use crate::{Error, Result, Skin};
+use crate::{Result, Skin, files::write_buffered};
 use glam::{Vec2, Vec3};
 use std::collections::HashMap;
-use std::io::{self, BufWriter, Write};
+use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes `skin` as OBJ with normals, uv where there are any and vertex colours where they are not all white;
 /// positions in cm, world space. The file appears whole or not at all.
 ///
-/// Errors: [`Error::Io`].
+/// Errors: [`crate::Error::Io`].
 pub fn write_obj(skin: &Skin, path: &Path) -> Result<()> {
-    write_atomically(path, |out| obj(skin, out))
+    write_buffered(path, |out| Ok(obj(skin, out)?))
 }
 
 fn obj(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
@@ -56,43 +56,4 @@ fn obj(skin: &Skin, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out)?;
     }
     Ok(())
-}
-
-/// Writes a file through a temporary one in the same folder: after a crash, a full disk or an error the old file is
-/// still there, whole. What is not a plain file (a pipe, `/dev/null`) is written directly.
-pub(crate) fn write_atomically(
-    path: &Path,
-    write: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> Result<()> {
-    let attempt = || -> io::Result<()> {
-        // A link is followed, so that it stays a link.
-        let path = &std::fs::canonicalize(path).unwrap_or_else(|_| path.to_owned());
-        if std::fs::metadata(path).is_ok_and(|found| !found.is_file() && !found.is_dir()) {
-            let mut out = BufWriter::new(std::fs::OpenOptions::new().write(true).open(path)?);
-            write(&mut out)?;
-            return out.flush();
-        }
-        let folder = path.parent().filter(|p| !p.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let mut builder = tempfile::Builder::new();
-        builder.prefix(".pelage-").suffix(".tmp");
-        #[cfg(unix)]
-        {
-            use std::os::unix::fs::PermissionsExt;
-            // As any new file; temporary files are private otherwise.
-            builder.permissions(std::fs::Permissions::from_mode(0o666));
-        }
-        let mut temporary = builder.tempfile_in(folder)?;
-        let mut out = BufWriter::with_capacity(1 << 20, temporary.as_file_mut());
-        write(&mut out)?;
-        out.flush()?;
-        drop(out);
-        temporary.as_file().sync_all()?;
-        temporary.persist(path).map_err(|e| e.error)?;
-        // The new name reaches the disk with its folder; not every system can do this.
-        if let Ok(folder) = std::fs::File::open(folder) {
-            folder.sync_all().ok();
-        }
-        Ok(())
-    };
-    attempt().map_err(|e| Error::io(path, format!("cannot be written: {e}")))
 }

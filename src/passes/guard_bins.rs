@@ -7,6 +7,7 @@ use crate::gpu::{Gpu, Kernel, Recorder, Scope};
 pub struct GuardBins {
     count: Kernel,
     fill: Kernel,
+    gather: Kernel,
 }
 
 impl GuardBins {
@@ -18,6 +19,7 @@ impl GuardBins {
         Ok(Self {
             count: Kernel::new(gpu, "guard_bins", "count")?,
             fill: Kernel::new(gpu, "guard_bins", "fill")?,
+            gather: Kernel::new(gpu, "guard_bins", "gather")?,
         })
     }
 
@@ -35,5 +37,13 @@ impl GuardBins {
     /// [`crate::Error::Gpu`] if a binding is missing.
     pub fn record_fill(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, strands: u32) -> Result<()> {
         recorder.dispatch(&self.fill, scope, u64::from(strands))
+    }
+
+    /// Picks of `roots` roots those whose strands may touch the tile of `frame`, into `tile_roots` and `bins`; counts in `bin_counts`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record_gather(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, roots: u32) -> Result<()> {
+        recorder.dispatch(&self.gather, scope, u64::from(roots))
     }
 }

@@ -1,11 +1,12 @@
 //! Step 1: the prism shell.
 
 use crate::Result;
-use crate::gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
+use crate::gpu::{Buffer, Gpu, Kernel, Recorder, Resource, Scope};
 
 /// Step 1: the prism shell.
 pub struct ShellPrisms {
     fold: Kernel,
+    spread: Kernel,
     vertices: Kernel,
     prisms: Kernel,
 }
@@ -18,6 +19,7 @@ impl ShellPrisms {
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             fold: Kernel::new(gpu, "shell_prisms", "fold")?,
+            spread: Kernel::new(gpu, "shell_prisms", "spread")?,
             vertices: Kernel::new(gpu, "shell_prisms", "vertices")?,
             prisms: Kernel::new(gpu, "shell_prisms", "prisms_of_triangles")?,
         })
@@ -28,13 +30,31 @@ impl ShellPrisms {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing, [`crate::Error::OutOfMemory`] without room.
-    pub fn record(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, scope: &Scope<'_>, vertices: u32, triangles: u32) -> Result<[Buffer; 2]> {
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        vertices: u32,
+        triangles: u32,
+    ) -> Result<[Buffer; 3]> {
         let counts = gpu.uniform("counts", &[vertices, triangles, 0, 0])?;
-        let reach = gpu.upload("reach", 1, &vec![f32::MAX; vertices as usize])?;
-        let scope = scope.with(&[&counts, &reach]);
-        recorder.dispatch(&self.fold, &scope, u64::from(triangles))?;
+        let high = vec![f32::MAX; vertices as usize];
+        let tables = [gpu.upload("reach", 1, &high)?, gpu.upload("reach", 1, &high)?];
+        let scope = scope.with(&[&counts]);
+        recorder.dispatch(&self.fold, &scope.with(&[&tables[0]]), u64::from(triangles))?;
+        for round in 0..SPREAD_ROUNDS {
+            let [before, after] = if round % 2 == 0 { [0, 1] } else { [1, 0] };
+            let scope = scope.with(&[&tables[after]]).and("reach_before", Resource::Buffer(&tables[before].raw));
+            recorder.dispatch(&self.spread, &scope, u64::from(triangles))?;
+        }
+        let scope = scope.with(&[&tables[SPREAD_ROUNDS % 2]]);
         recorder.dispatch(&self.vertices, &scope, u64::from(vertices))?;
         recorder.dispatch(&self.prisms, &scope, u64::from(triangles))?;
-        Ok([counts, reach])
+        let [first, second] = tables;
+        Ok([counts, first, second])
     }
 }
+
+/// Rounds over which a lowered vertex lowers its surroundings, by one edge each.
+pub const SPREAD_ROUNDS: usize = 24;

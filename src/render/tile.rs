@@ -71,9 +71,15 @@ impl<'a> Tiles<'a> {
         let planes = if aovs { 20 } else { 4 };
         let budget = scene.render.memory;
         let used = gpu.ledger.current();
-        let per_sample = SAMPLE_BYTES + EXPECTED_FRAGMENTS * NODE_BYTES;
+        // A pixel is held twice while it is read back.
+        let sample_bytes = SAMPLE_BYTES + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
+        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * NODE_BYTES;
         // Bins, staging and pixels need some room too.
-        let reserve = prepared.strands * 6 + (8 << 20);
+        let strands = match &prepared.resident {
+            Some(_) => prepared.strands * 6,
+            None => prepared.strand_budget.min(prepared.strands * crate::prepare::strand_bytes(prepared.segments) + prepared.strands * 20),
+        };
+        let reserve = strands + (8 << 20);
         let room = budget.saturating_sub(used + reserve);
         let smallest = u64::from(SMALLEST * plan.grid + 2 * plan.reach).pow(2) * per_sample;
         if room < smallest {
@@ -89,7 +95,7 @@ impl<'a> Tiles<'a> {
         let edge = edge.min(scene.film.width.max(scene.film.height));
         let extent = [edge.min(scene.film.width), edge.min(scene.film.height)].map(|e| e * plan.grid + 2 * plan.reach);
         let samples = u64::from(extent[0]) * u64::from(extent[1]);
-        let list_bytes = (room.saturating_sub(samples * (SAMPLE_BYTES - 4))).min(list_limit).max(samples * 4 + 64);
+        let list_bytes = (room.saturating_sub(samples * (sample_bytes - 4))).min(list_limit).max(samples * 4 + 64);
         // More than a few hundred fragments a sample are never needed.
         let list_bytes = list_bytes.min(samples * (4 + 400 * NODE_BYTES));
         let buffers = vec![
@@ -337,13 +343,37 @@ impl<'a> Tiles<'a> {
         Ok(Outcome { fragments, capacity: u64::MAX, pixels: data, rays_lost, longest })
     }
 
-    /// Step 6 for a tile.
+    /// Step 6 for a tile: from the bins of the resident strands, or from strands grown for it.
     fn rasterise(&self, job: &Job, scope: &Scope<'_>, timings: &mut Timings) -> Result<()> {
-        let (Some(strands), Some(bins)) = (&self.prepared.resident, &self.bins) else {
-            return Ok(());
-        };
-        let range = (bins.starts[job.bin as usize], bins.counts[job.bin as usize]);
-        self.rasterise_bin(strands, &bins.list, range, scope, timings)
+        if let (Some(strands), Some(bins)) = (&self.prepared.resident, &self.bins) {
+            let range = (bins.starts[job.bin as usize], bins.counts[job.bin as usize]);
+            return self.rasterise_bin(strands, &bins.list, range, scope, timings);
+        }
+        let gpu = self.prepared.gpu;
+        let guard = &self.world.scene.guard;
+        let longest = 1.3 * guard.length.max() + 2.0 * (guard.curl.max() + guard.frizz.max()) + guard.clump.max() / guard.clump_density.max(1e-6).sqrt();
+        for batch in &self.prepared.batches {
+            let roots = self.prepared.roots(batch, timings)?;
+            let count = batch.strands as u32;
+            let range = gpu.uniform("batch", &[count, 0, 0, 0])?;
+            let tiles = gpu.uniform("tiles", &[0, 0, 1, 1, 1, 1, 4f32.to_bits(), longest.to_bits()])?;
+            let counts = gpu.storage("bin_counts", 6, 16)?;
+            let list = gpu.storage("bins", 6, u64::from(count) * 4)?;
+            let mut picked = gpu.storage("tile_roots", 3, u64::from(count) * 16)?;
+            let mut recorder = Recorder::new(gpu);
+            let gather = scope.with(&[&roots, &range, &tiles, &counts, &list, &picked]);
+            self.prepared.passes.guard_bins.record_gather(&mut recorder, &gather, count)?;
+            recorder.submit(timings)?;
+            drop(roots);
+            let found = gpu.read::<u32>(&counts, 4)?.first().copied().unwrap_or(0);
+            if found > 0 {
+                picked.name = "roots";
+                let strands = self.prepared.grow_from(picked, found, timings)?;
+                self.prepared.shade(&strands, timings)?;
+                self.rasterise_bin(&strands, &list, (0, found), scope, timings)?;
+            }
+        }
+        Ok(())
     }
 
     fn rasterise_bin(

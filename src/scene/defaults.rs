@@ -82,7 +82,7 @@ impl Default for Guard {
 impl Default for GuardFibre {
     fn default() -> Self {
         Self {
-            intensity: [0.08, 0.9, 0.06],
+            intensity: [0.08, 0.5, 0.06],
             shift: [-7.5, 3.75, 11.25],
             width: [7.5, 6.0, 15.0],
             azimuth_tt: 20.0,

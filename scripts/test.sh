@@ -1,0 +1,76 @@
+#!/bin/sh
+# Installs what is missing, then checks format, lints and documentation and runs all tests.
+#
+#   scripts/test.sh             everything
+#   scripts/test.sh FILTER...   only the tests whose names contain a filter, without the other checks
+#
+# Tests that need downloaded meshes and images find them in PELAGE_ASSETS or, where scripts/fetch_assets.sh put them, in
+# assets/; without them they say that they are skipped.
+set -eu
+
+. "$(dirname -- "$0")/setup.sh"
+cd "$root"
+begin=$(date +%s)
+
+# Runs a step; what it prints is shown where it fails, and its notes always.
+step() {
+    name=$1
+    shift
+    started=$(date +%s)
+    log=$(mktemp)
+    if "$@" >"$log" 2>&1; then
+        say "ok      $name ($(($(date +%s) - started)) s)$(summary)"
+        rm -f "$log"
+    else
+        cat "$log" >&2
+        rm -f "$log"
+        fail "$name: failed (the output is above)"
+    fi
+}
+
+# The counts of cargo test or nextest.
+summary() {
+    awk '/^test result: / { passed += $4; failed += $6; ignored += $8 }
+        /Summary \[/ { sub(/.*\] */, ""); line = $0 }
+        /^note: skipped/ { notes++ }
+        END {
+            if (line != "") printf ": %s", line
+            else if (passed) printf ": %d passed, %d ignored", passed, ignored
+            if (notes) printf "; %d notes of skipped parts", notes
+        }' "$log"
+}
+
+# A part of the toolchain that a minimal installation lacks.
+need_component() {
+    cargo "$1" --version >/dev/null 2>&1 && return 0
+    command -v rustup >/dev/null && rustup component add "$2" >/dev/null 2>&1 && return 0
+    say "skipped $1: not installed (rustup component add $2)"
+    return 1
+}
+
+say "building (the first time takes some minutes)"
+setup
+say "ok      build ($(($(date +%s) - begin)) s)"
+"$pelage" devices >&2
+[ -n "${PELAGE_ASSETS:-}" ] ||
+    say "note: PELAGE_ASSETS is not set and assets/ is empty (scripts/fetch_assets.sh): some tests will be skipped"
+
+if [ $# -gt 0 ]; then
+    cargo test --release --locked -- "$@"
+    exit
+fi
+
+if need_component fmt rustfmt; then
+    step "format" cargo fmt --check
+fi
+if need_component clippy clippy; then
+    step "lints" cargo clippy --release --locked --all-targets --quiet -- -D warnings
+fi
+RUSTDOCFLAGS="-D warnings" step "documentation" cargo doc --release --locked --no-deps --lib --quiet
+if cargo nextest --version >/dev/null 2>&1; then
+    step "tests" cargo nextest run --release --locked --no-fail-fast --success-output final --hide-progress-bar
+    step "examples in the documentation" cargo test --release --locked --doc
+else
+    step "tests" cargo test --release --locked --no-fail-fast
+fi
+say "all is well ($(($(date +%s) - begin)) s)"

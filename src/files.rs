@@ -1,0 +1,105 @@
+//! Files that leave the program: they appear whole or not at all.
+
+use crate::{Error, Result};
+use std::{
+    fs::File,
+    io::{BufWriter, Write},
+    path::{Path, PathBuf},
+};
+
+/// What an encoder or decoder reports; the caller adds the file.
+pub type Failure = Box<dyn std::error::Error + Send + Sync>;
+
+/// Checks before a long computation that `path` can be written after it: existing folder, no folder or device or
+/// write-protected file of that name, room on the disk for a few blocks. Leaves nothing behind.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn check_target(path: &Path) -> Result<()> {
+    let target = resolved(path)?;
+    let mut file = temporary(&target).map_err(|e| Error::io(path, e))?;
+    // 64 KiB find a full disk that would still take an empty file.
+    file.write_all(&[0; 1 << 16])
+        .and_then(|()| file.as_file().sync_all())
+        .map_err(|e| Error::io(path, format!("cannot be written: {e}")))
+}
+
+/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. The old file stays until the
+/// new one is complete, and stays for good where anything fails.
+///
+/// # Errors
+/// [`Error::Io`] with the file and what failed.
+pub fn write_atomically<F>(path: &Path, write: F) -> Result<()>
+where
+    F: FnOnce(&mut File) -> Result<(), Failure>,
+{
+    let target = resolved(path)?;
+    let fail = |e: &dyn std::fmt::Display| Error::io(path, format!("cannot be written: {e}"));
+    let mut file = temporary(&target).map_err(|e| fail(&e))?;
+    write(file.as_file_mut()).map_err(|e| fail(&e))?;
+    file.as_file().sync_all().map_err(|e| fail(&e))?;
+    file.persist(&target).map_err(|e| fail(&e.error))?;
+    // The rename itself is safe on disk once the folder is.
+    #[cfg(unix)]
+    if let Ok(folder) = File::open(folder_of(&target)) {
+        folder.sync_all().ok();
+    }
+    Ok(())
+}
+
+/// [`write_atomically`] through a buffer, for what writes in small pieces.
+///
+/// # Errors
+/// As [`write_atomically`].
+pub fn write_buffered<F>(path: &Path, write: F) -> Result<()>
+where
+    F: FnOnce(&mut BufWriter<&mut File>) -> Result<(), Failure>,
+{
+    write_atomically(path, |file| {
+        let mut out = BufWriter::with_capacity(1 << 20, file);
+        write(&mut out)?;
+        Ok(out.flush()?)
+    })
+}
+
+/// The file to replace: links are followed, so that they stay links.
+fn resolved(path: &Path) -> Result<PathBuf> {
+    let fail = |reason: String| Err(Error::io(path, reason));
+    if path.file_name().is_none() {
+        return fail("is not a file name".into());
+    }
+    let Ok(meta) = std::fs::metadata(path) else {
+        let folder = folder_of(path);
+        if !folder.is_dir() {
+            return fail(format!("the folder {} does not exist: create it first", folder.display()));
+        }
+        return Ok(path.to_owned());
+    };
+    if meta.is_dir() {
+        return fail("is a folder, expected a file name".into());
+    }
+    if !meta.is_file() {
+        return fail("is not a regular file: images are written to a temporary file and renamed".into());
+    }
+    if meta.permissions().readonly() {
+        return fail("is write-protected: remove it, change its permissions or choose another name".into());
+    }
+    path.canonicalize().map_err(|e| Error::io(path, e))
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+/// A unique temporary beside `target`, removed when dropped.
+fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+    let mut builder = tempfile::Builder::new();
+    builder.prefix(".pelage-").suffix(".part");
+    // tempfile's own default is private to the user; the umask decides here as for any other output.
+    #[cfg(unix)]
+    builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
+    builder.tempfile_in(folder_of(target))
+}

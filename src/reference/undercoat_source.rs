@@ -1,0 +1,103 @@
+//! Twin of `shaders/undercoat_source.wgsl`: what the march and the skin look up of the lights.
+
+use super::film::halves;
+use super::lattice::{node_index, tau_pairs, unpack_albedo};
+use super::shell::{Place, Shell};
+use super::undercoat::kajiya_kay;
+use crate::layout::{Column, Frame, Fur, Light};
+use glam::Vec3;
+use std::f32::consts::FRAC_1_PI;
+
+/// Light at a node of the lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    /// log2 of the radiance by all lights that are no key lights, per albedo; at least that of 1e-7.
+    pub log_ambient: Vec3,
+    /// Relative density of the undercoat.
+    pub density: f32,
+    /// Optical depths to the key lights.
+    pub key_tau: [f32; 2],
+    /// Albedo.
+    pub albedo: Vec3,
+}
+
+/// A source as the buffer holds it.
+pub fn unpack(words: [u32; 4]) -> Source {
+    let [r, g] = halves(words[0]);
+    let [b, density] = halves(words[1]);
+    Source { log_ambient: Vec3::new(r, g, b), density, key_tau: halves(words[2]), albedo: unpack_albedo(words[3]) }
+}
+
+/// What the pass reads.
+#[derive(Clone, Copy)]
+pub struct Lattice<'a> {
+    /// Parameters.
+    pub fur: &'a Fur,
+    /// The shell.
+    pub shell: &'a Shell,
+    /// All lights.
+    pub lights: &'a [Light],
+    /// The columns.
+    pub columns: &'a [Column],
+    /// Optical depths, pairs of halves.
+    pub tau: &'a [u32],
+    /// The view.
+    pub frame: &'a Frame,
+}
+
+impl Lattice<'_> {
+    /// Optical depth of a node to a light (or to the eye, behind the last light).
+    pub fn tau(&self, node: u32, light: u32) -> f32 {
+        halves(self.tau[(node * tau_pairs(self.fur) + light / 2) as usize])[light as usize & 1]
+    }
+
+    fn normal(&self, place: &Place) -> Vec3 {
+        let n = place.vertices.map(|v| Vec3::from(self.shell.vertices[v as usize].normal));
+        (place.lambda.x * n[0] + place.lambda.y * n[1] + place.lambda.z * n[2]).normalize()
+    }
+
+    /// The source at level `level` of a column that stands at `place`.
+    pub fn source(&self, column: u32, level: u32, place: &Place) -> Source {
+        let fur = self.fur;
+        let of_column = &self.columns[column as usize];
+        let height = level as f32 / fur.levels as f32 * fur.light_reach;
+        let t = height.min(1.0);
+        let x = place.point(height, place.lambda);
+        let tangent = (self.normal(place) + Vec3::from(fur.lean) * t).normalize();
+        let view = (Vec3::from(self.frame.eye) - x).normalize();
+        let albedo = unpack_albedo(of_column.color_root).lerp(unpack_albedo(of_column.color_tip), t);
+        let attenuation = 1.0 - fur.forward_scattering * albedo;
+        let node = node_index(fur, column, level);
+        let keys = &fur.key_lights[..fur.keys as usize];
+        let mut ambient = Vec3::ZERO;
+        for (j, light) in (0..fur.lights).zip(self.lights) {
+            if light.undercoat == 1 && !keys.contains(&j) {
+                let through = (-self.tau(node, j) * attenuation).exp();
+                let l = Vec3::from(light.direction);
+                ambient += Vec3::from(light.irradiance) * through * kajiya_kay(fur, tangent, l, view);
+            }
+        }
+        let mut key_tau = [0.0; 2];
+        key_tau.iter_mut().zip(keys).for_each(|(tau, j)| *tau = self.tau(node, *j));
+        Source {
+            log_ambient: Vec3::from(ambient.max(Vec3::splat(1e-7)).to_array().map(f32::log2)),
+            density: of_column.density,
+            key_tau,
+            albedo,
+        }
+    }
+
+    /// Radiance of the skin below a column: Lambertian.
+    pub fn base_light(&self, column: u32, place: &Place) -> Vec3 {
+        let of_column = &self.columns[column as usize];
+        let normal = self.normal(place);
+        let attenuation = 1.0 - self.fur.forward_scattering * unpack_albedo(of_column.color_root);
+        let node = node_index(self.fur, column, 0);
+        let mut sum = Vec3::ZERO;
+        for (j, light) in (0..self.fur.lights).zip(self.lights) {
+            let facing = normal.dot(Vec3::from(light.direction)).max(0.0);
+            sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
+        }
+        sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
+    }
+}

@@ -1,0 +1,168 @@
+//! How undercoat, guard hairs and skin come together in the image.
+
+#[path = "common/worlds.rs"]
+mod worlds;
+
+use pelage::scene::{Blend, Fur, Scene, Storage};
+use pelage::stats::Stats;
+use worlds::{RGB, RGBA, ball, largest, plane, render, rmse};
+
+fn blended(blend: Blend, virtual_fragments: u32, edit: impl FnOnce(&mut Scene)) -> (pelage::film::Film, Stats) {
+    let frame = render(&ball(|s| {
+        s.render.blend = blend;
+        s.render.virtual_fragments = virtual_fragments;
+        edit(s);
+    }));
+    (frame.film, frame.stats)
+}
+
+/// Root of the mean square of the colours where something is.
+fn strength(film: &pelage::film::Film) -> f64 {
+    rmse(film, &pelage::film::Film::from_premultiplied(film.width, film.height, &[]), &RGB)
+}
+
+#[test]
+fn virtual_fragments_converge_to_exact_blending() {
+    // Bright enough that an error shows: the fur's brightest places are near 1.
+    let bright = |s: &mut Scene| s.lights.iter_mut().for_each(|l| l.irradiance = l.irradiance.map(|e| 6.0 * e));
+    let exact = blended(Blend::Exact, 1, bright).0;
+    let errors = [1, 4, 16, 64].map(|n| rmse(&blended(Blend::Virtual, n, bright).0, &exact, &RGBA));
+    let simplified = rmse(&blended(Blend::Simplified, 1, bright).0, &exact, &RGBA);
+    println!("virtual to exact, 1 4 16 64 fragments: {errors:.6?}; simplified: {simplified:.6}; rms {:.4}", strength(&exact));
+    assert!(errors.windows(2).all(|e| e[1] < e[0]), "not falling: {errors:?}");
+    assert!(errors[3] < 0.002, "{errors:?}");
+    assert!(errors[0] > 0.002, "one virtual fragment is as good as 64: nothing was tested");
+}
+
+#[test]
+fn blends_agree_where_no_strand_is() {
+    let bare = |s: &mut Scene| s.render.fur = Fur::Implicit;
+    let exact = blended(Blend::Exact, 1, bare).0;
+    for (blend, n) in [(Blend::Simplified, 1), (Blend::Virtual, 1), (Blend::Virtual, 30)] {
+        let (film, stats) = blended(blend, n, bare);
+        let most = largest(&film, &exact, &["R", "G", "B", "A", "transmittance.Y"]);
+        println!("{blend:?} {n}: largest difference {most:.6}, {} rays lost", stats.rays_lost);
+        assert!(most < 1e-3, "{blend:?} {n}: {most}");
+    }
+}
+
+#[test]
+fn contributions_add_up() {
+    for blend in [Blend::Exact, Blend::Virtual, Blend::Simplified] {
+        let film = blended(blend, 8, |_| ()).0;
+        for c in RGB {
+            let [guard, coat, base] =
+                ["guard", "undercoat", "base"].map(|part| plane(&film, &format!("{part}.{c}")).to_vec());
+            let mut seen = [false; 3];
+            for (i, all) in plane(&film, c).iter().enumerate() {
+                let sum = guard[i] + coat[i] + base[i];
+                assert!((sum - all).abs() <= 1e-6 * all.abs().max(1.0), "{blend:?} {c} {i}: {sum} {all}");
+                [guard[i], coat[i], base[i]].iter().zip(&mut seen).for_each(|(v, s)| *s |= *v > 1e-3);
+            }
+            assert_eq!(seen, [true; 3], "{blend:?}: a layer is nowhere seen");
+        }
+        for (a, t) in plane(&film, "A").iter().zip(plane(&film, "transmittance.Y")) {
+            assert!((a + t - 1.0).abs() < 1e-6 && (-1e-6..=1.0 + 1e-6).contains(a), "{blend:?}: {a} {t}");
+        }
+    }
+}
+
+/// White fur scatters all that it takes out of a light: into any direction at most E / pi^2 of each light (Kajiya-Kay, sine of 1),
+/// the white skin E / pi.
+#[test]
+fn white_undercoat_stays_below_its_bound() {
+    let white = |forward: f32| {
+        move |s: &mut Scene| {
+            s.render.fur = Fur::Implicit;
+            s.undercoat.color_root = [1.0; 3].into();
+            s.undercoat.color_tip = [1.0; 3].into();
+            s.undercoat.forward_scattering = forward;
+            s.base.color = [0.0; 3].into();
+            for light in &mut s.lights {
+                light.irradiance = [1.0; 3];
+            }
+        }
+    };
+    let most = |film: &pelage::film::Film| RGB.map(|c| plane(film, c).iter().fold(0f32, |a, b| a.max(*b)));
+    let bound = 2.0 / (std::f32::consts::PI * std::f32::consts::PI);
+    for forward in [0.0, 1.0] {
+        let found = most(&blended(Blend::Exact, 1, white(forward)).0);
+        println!("forward scattering {forward}: brightest {found:.4?} of at most {bound:.4}");
+        // Halves round by 2^-11.
+        assert!(found.iter().all(|v| *v <= bound * 1.001), "{found:?} is more than {bound}");
+        assert!(found.iter().all(|v| *v > 0.2 * bound), "{found:?}: too dark to test the bound");
+    }
+    // Twice the diffuse weight is not physical any more, and the bound notices.
+    let film = blended(Blend::Exact, 1, |s| {
+        white(1.0)(s);
+        s.undercoat.diffuse = 2.0;
+    })
+    .0;
+    assert!(most(&film)[0] > bound);
+}
+
+/// Light adds up: an image under two lights is the sum of the images under each, and twice the light is twice the image.
+#[test]
+fn light_is_linear() {
+    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings to each node of the lattice, with the
+    // skin's normal for the hairs' tangent: alone it is a key light too, so that the sum also tells how good that is.
+    let third = pelage::scene::DirectionalLight { direction: [0.1, 0.3, 0.9], irradiance: [0.5; 3] };
+    let under = |lights: Vec<usize>, factor: f32| {
+        blended(Blend::Exact, 1, |s| {
+            s.lights.push(third.clone());
+            for (i, light) in s.lights.iter_mut().enumerate() {
+                let on = if lights.contains(&i) { factor } else { 0.0 };
+                light.irradiance = light.irradiance.map(|e| e * on);
+            }
+        })
+        .0
+    };
+    let all = under(vec![0, 1, 2], 1.0);
+    let double = under(vec![0, 1, 2], 2.0);
+    let parts: Vec<_> = [0, 1, 2].map(|i| under(vec![i], 1.0)).into();
+    let (mut sum_error, mut double_error, mut mean) = (0f64, 0f64, 0f64);
+    for c in RGB {
+        for i in 0..all.pixels() {
+            let one = plane(&all, c)[i];
+            let sum: f32 = parts.iter().map(|p| plane(p, c)[i]).sum();
+            sum_error += f64::from(one - sum).powi(2);
+            double_error += f64::from(plane(&double, c)[i] - 2.0 * one).powi(2);
+            mean += f64::from(one).powi(2);
+        }
+    }
+    let relative = [sum_error, double_error].map(|e| (e / mean).sqrt());
+    println!("relative RMSE of sum and double: {relative:.6?}");
+    assert!(relative[0] < 0.02 && relative[1] < 0.001, "{relative:?}");
+}
+
+#[test]
+fn stored_and_evaluated_densities_make_the_same_image() {
+    let kept = |storage: Storage| move |s: &mut Scene| s.undercoat.storage = storage;
+    let (stored, a) = blended(Blend::Exact, 1, kept(Storage::Stored));
+    let (evaluated, b) = blended(Blend::Exact, 1, kept(Storage::Evaluated));
+    assert_eq!((a.storage.as_str(), b.storage.as_str()), ("stored", "evaluated"));
+    let error = rmse(&stored, &evaluated, &RGBA);
+    let most = largest(&stored, &evaluated, &RGBA);
+    println!("stored to evaluated: RMSE {error:.6}, largest {most:.5}");
+    assert!(error < 5e-4 && most < 0.01, "{error} {most}");
+    assert!(error > 0.0, "the two ways are one");
+}
+
+#[test]
+fn no_fragment_is_dropped() {
+    // Three segments and small lists: tiles overflow and are cut.
+    let dense = |memory: u64| {
+        move |s: &mut Scene| {
+            s.render.memory = memory;
+            s.guard.density = 600.0.into();
+            s.guard.segments = 3;
+        }
+    };
+    let (_, roomy) = blended(Blend::Virtual, 40, dense(1 << 30));
+    let (_, tight) = blended(Blend::Virtual, 40, dense(20 << 20));
+    assert_eq!((roomy.fragments_dropped, tight.fragments_dropped), (0, 0));
+    assert_eq!(roomy.tiles_retried, 0);
+    assert!(tight.tiles_retried > 0);
+    assert_eq!(roomy.fragments, tight.fragments);
+    assert!(tight.gpu_peak_bytes <= tight.memory_budget_bytes, "{} of {}", tight.gpu_peak_bytes, tight.memory_budget_bytes);
+}

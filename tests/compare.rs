@@ -1,0 +1,154 @@
+//! Every metric: zero where nothing differs, the right value where it is known, and a failure where it should fail.
+
+use pelage::{
+    Error,
+    compare::{ErrorImage, Thresholds, compare, error_image},
+    film::Film,
+};
+
+fn picture() -> Film {
+    let pixels: Vec<[f32; 4]> = (0..48 * 32)
+        .map(|i| {
+            let (x, y) = ((i % 48) as f32, (i / 48) as f32);
+            let v = 0.3 + 0.25 * (x * 0.7).sin() * (y * 0.5).cos();
+            [v, v * 0.8, 0.1 + 0.01 * y, 1.0]
+        })
+        .collect();
+    Film::from_premultiplied(48, 32, &pixels)
+}
+
+fn changed(change: impl Fn(usize, [f32; 4]) -> [f32; 4]) -> Film {
+    let pixels: Vec<[f32; 4]> =
+        picture().premultiplied().unwrap().into_iter().enumerate().map(|(i, p)| change(i, p)).collect();
+    Film::from_premultiplied(48, 32, &pixels)
+}
+
+fn shifted() -> Film {
+    let pixels = picture().premultiplied().unwrap();
+    changed(|i, _| pixels[i / 48 * 48 + (i % 48 + 2) % 48])
+}
+
+fn noisy() -> Film {
+    changed(|i, [r, g, b, a]| {
+        let noise = ((i as u32).wrapping_mul(2_654_435_761) >> 16) as f32 / 65536.0 * 0.2 - 0.1;
+        [r + noise, g + noise, b + noise, a]
+    })
+}
+
+fn brighter() -> Film {
+    changed(|_, [r, g, b, a]| [r * 1.2, g * 1.2, b * 1.2, a])
+}
+
+fn strict() -> Thresholds {
+    Thresholds {
+        rmse: Some(1e-9),
+        relative_mse: Some(1e-9),
+        psnr: Some(200.0),
+        ssim: Some(1.0 - 1e-9),
+        flip: Some(1e-9),
+        luminance_ratio: Some(1e-9),
+        alpha_difference: Some(1e-9),
+        max_abs: Some(1e-9),
+    }
+}
+
+#[test]
+fn equal_pictures_have_no_difference() {
+    let c = compare(&picture(), &picture()).unwrap();
+    assert_eq!((c.rmse, c.relative_mse, c.flip, c.max_abs, c.alpha_difference), (0.0, 0.0, 0.0, 0.0, 0.0));
+    assert_eq!((c.psnr, c.luminance_ratio), (f64::INFINITY, 1.0));
+    assert!((c.ssim - 1.0).abs() < 1e-9);
+    assert_eq!(c.exceeds(&strict()), None);
+    assert!(serde_json::to_string(&c).unwrap().contains("\"psnr\":null"));
+    assert!(c.to_string().contains("RMSE              0.000000"));
+}
+
+#[test]
+fn small_pictures_have_the_values_computed_by_hand() {
+    let a = Film::from_premultiplied(2, 1, &[[0.5, 0.2, 0.0, 1.0], [0.3, 0.3, 0.3, 0.5]]);
+    let b = Film::from_premultiplied(2, 1, &[[0.3, 0.2, 0.1, 1.0], [0.3, 0.3, 0.3, 0.25]]);
+    let c = compare(&a, &b).unwrap();
+    let near = |a: f64, b: f64| assert!((a - b).abs() < 1e-6, "{a} {b}");
+    let mse = (0.04 + 0.01) / 6.0;
+    near(c.rmse, f64::sqrt(mse));
+    near(c.relative_mse, (0.04 / (0.09 + 0.01) + 0.01 / (0.01 + 0.01)) / 6.0);
+    near(c.psnr, -10.0 * mse.log10());
+    near(c.max_abs, 0.2);
+    near(c.alpha_difference, 0.125);
+    let (la, lb) = (0.2126 * 0.5 + 0.7152 * 0.2 + 0.3, 0.2126 * 0.3 + 0.7152 * 0.2 + 0.0722 * 0.1 + 0.3);
+    near(c.luminance_ratio, la / lb);
+    // SSIM of two constant pictures is the luminance term alone.
+    let constant = |code: f32| {
+        let v = pelage::film::tonemap::srgb_decode(code);
+        Film::from_premultiplied(13, 13, &vec![[v, v, v, 1.0]; 169])
+    };
+    let c = compare(&constant(0.4), &constant(0.6)).unwrap();
+    near(c.ssim, (2.0 * 0.24 + 1e-4) / (0.16 + 0.36 + 1e-4));
+}
+
+#[test]
+fn every_metric_fails_on_a_wrong_picture() {
+    for (name, wrong) in [("shifted", shifted()), ("noisy", noisy()), ("brighter", brighter())] {
+        let c = compare(&wrong, &picture()).unwrap();
+        let found = c.exceeds(&strict()).unwrap();
+        for metric in ["RMSE", "relative MSE", "PSNR", "SSIM", "FLIP", "largest difference"] {
+            assert!(found.contains(metric), "{name}: {metric} did not notice\n{found}");
+        }
+        assert!(c.rmse > 0.01 && c.flip > 0.02 && c.ssim < 0.995 && c.psnr < 40.0, "{name}:\n{c}");
+    }
+    let bright = compare(&brighter(), &picture()).unwrap();
+    assert!((bright.luminance_ratio - 1.2).abs() < 1e-5);
+    assert!(bright.exceeds(&strict()).unwrap().contains("luminance ratio"));
+    let see_through = changed(|_, [r, g, b, _]| [r, g, b, 0.9]);
+    let c = compare(&see_through, &picture()).unwrap();
+    assert!(c.exceeds(&strict()).unwrap().contains("alpha difference") && c.rmse == 0.0);
+    // Structure: noise of the same energy as a change of brightness costs more SSIM.
+    let noise = compare(&noisy(), &picture()).unwrap();
+    assert!(noise.ssim < bright.ssim, "{} {}", noise.ssim, bright.ssim);
+}
+
+#[test]
+fn limits_that_hold_are_silent() {
+    let c = compare(&noisy(), &picture()).unwrap();
+    assert_eq!(c.exceeds(&Thresholds::default()), None);
+    assert_eq!(c.exceeds(&Thresholds { rmse: Some(1.0), psnr: Some(1.0), ..Thresholds::default() }), None);
+}
+
+#[test]
+fn values_that_are_not_finite_are_counted_and_fail() {
+    let broken = changed(|i, p| match i {
+        5 => [f32::NAN, p[1], p[2], p[3]],
+        9 => [p[0], f32::INFINITY, p[2], p[3]],
+        _ => p,
+    });
+    let c = compare(&broken, &picture()).unwrap();
+    assert_eq!((c.non_finite_image, c.non_finite_reference, c.rmse), (2, 0, 0.0));
+    assert!(c.exceeds(&Thresholds::default()).unwrap().contains("2 pixels of the image"));
+    let nothing = Film::from_premultiplied(1, 1, &[[f32::NAN; 4]]);
+    let c = compare(&nothing, &nothing).unwrap();
+    assert!(c.exceeds(&strict()).unwrap().contains("RMSE is NaN"));
+}
+
+#[test]
+fn sizes_must_match() {
+    let error = compare(&picture(), &Film::new(10, 20)).unwrap_err();
+    assert!(matches!(error, Error::Check(_)));
+    let text = error.to_string();
+    assert!(text.contains("48 x 32") && text.contains("10 x 20"), "{text}");
+    assert!(matches!(compare(&Film::default(), &Film::default()), Err(Error::Check(_))));
+}
+
+#[test]
+fn error_images_show_where() {
+    let wrong = changed(|i, p| if i == 10 * 48 + 20 { [2.0, 2.0, 2.0, 1.0] } else { p });
+    let map = error_image(&wrong, &picture(), ErrorImage::Flip).unwrap();
+    let brightness = |film: &Film, x: usize, y: usize| {
+        let p = film.premultiplied().unwrap()[y * film.width as usize + x];
+        p[0] + p[1] + p[2]
+    };
+    let (there, elsewhere) = (brightness(&map, 20, 10), brightness(&map, 45, 30));
+    assert!(there > 0.2 && elsewhere < 0.01, "{there} {elsewhere}");
+    let difference = error_image(&brighter(), &picture(), ErrorImage::Difference(5.0)).unwrap();
+    let (p, q) = (difference.premultiplied().unwrap()[100], picture().premultiplied().unwrap()[100]);
+    assert!((p[0] - q[0]).abs() < 1e-5, "0.2 of the value, times 5");
+}

@@ -1,0 +1,109 @@
+//! `film` against its twin: samples of every kind to pixels.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/worlds.rs"]
+mod worlds;
+
+use bytemuck::Zeroable;
+use gpu::{Fixture, Tile};
+use pelage::gpu::Recorder;
+use pelage::gpu::recorder::Timings;
+use pelage::layout::Reconstruction;
+use pelage::reference::film::{PLANES, Sample, pixel, unpack};
+use pelage::reference::hash::{hash2, random};
+use pelage::scene::Filter;
+use worlds::ball;
+
+/// Samples with all fields at random; some see nothing.
+fn samples(count: u32) -> Vec<[u32; 8]> {
+    (0..count)
+        .map(|i| {
+            let half = |k: u32| u32::from(half::f16::from_f32(random(i, k)).to_bits());
+            let pair = |k: u32| half(k) | (half(k + 1) << 16);
+            let nothing = i % 5 == 0;
+            let z = if nothing { 1e30 } else { 4.0 + random(i, 20) };
+            let normal = if i % 3 == 0 { 0 } else { hash2(i, 21) | 1 };
+            [pair(0), pair(2), pair(4), pair(6), pair(8), f32::to_bits(z), normal, hash2(i, 22) % 50]
+        })
+        .collect()
+}
+
+/// Weights along an axis, and their number.
+fn weights(filter: Filter, grid: u32) -> (u32, [[f32; 4]; 32], u32) {
+    let radius = pelage::film::filter::usual_radius(filter);
+    let (margin, found) = pelage::film::filter::sample_weights(filter, radius, grid).expect("weights");
+    let mut packed = [[0.0; 4]; 32];
+    found.iter().enumerate().for_each(|(i, w)| packed[i / 4][i % 4] = *w);
+    (margin, packed, found.len() as u32)
+}
+
+#[test]
+fn pixels_agree_with_the_twin() {
+    let Some(gpu) = gpu::open() else { return };
+    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage::scene::Fur::Base));
+    for (filter, grid) in [(Filter::Box, 1), (Filter::Box, 3), (Filter::Gaussian, 2), (Filter::Mitchell, 4)] {
+        let (reach, weights, taps) = weights(filter, grid);
+        let pixels = [7u32, 5];
+        let size = pixels.map(|p| p * grid + 2 * reach);
+        let tile = Tile::new(&fixture, [96, 64], [0, 0], size, 16);
+        let words = samples(size[0] * size[1]);
+        let all: Vec<Sample> = words.iter().map(|w| unpack(*w)).collect();
+        let count = u64::from(pixels[0] * pixels[1]);
+        let input = gpu.upload("samples", 7, &words).unwrap();
+        let output = gpu.storage("pixels", 7, count * PLANES as u64 * 4).unwrap();
+        let mut wanted = vec![[0f64; PLANES]; count as usize];
+        // Twice, the second added to the first.
+        for pass in 0..2 {
+            let r = Reconstruction {
+                origin: [reach as i32; 2],
+                pixels,
+                grid,
+                reach: reach as i32,
+                taps,
+                planes: PLANES as u32,
+                accumulate: pass,
+                scale: if pass == 0 { 0.75 } else { 0.25 },
+                weights,
+                ..Reconstruction::zeroed()
+            };
+            let uniform = gpu.uniform("reconstruction", &r).unwrap();
+            let scope = tile.scope(&fixture).with(&[&input, &output, &uniform]);
+            let mut recorder = Recorder::new(gpu);
+            fixture.prepared.passes.film.record(&mut recorder, &scope, count).unwrap();
+            recorder.submit(&mut Timings::default()).unwrap();
+            for (i, sums) in wanted.iter_mut().enumerate() {
+                let at = [i as u32 % pixels[0], i as u32 / pixels[0]];
+                sums.iter_mut().zip(pixel(&r, size, &all, at)).for_each(|(sum, v)| *sum += v);
+            }
+        }
+        let found: Vec<f32> = gpu.read(&output, count * PLANES as u64 * 4).unwrap();
+        for (i, sums) in wanted.iter().enumerate() {
+            for (p, wanted) in sums.iter().enumerate() {
+                let found = f64::from(found[p * count as usize + i]);
+                // Single against double precision; fragments and depths are large numbers.
+                let tolerance = 2e-5 * (1.0 + wanted.abs());
+                assert!((found - wanted).abs() < tolerance, "{filter:?} {grid}, pixel {i}, plane {p}: {found} is not {wanted}");
+            }
+        }
+    }
+}
+
+/// The weights of the renderer's plan add up to 1, so that an even image stays even to its edge.
+#[test]
+fn even_image_stays_even() {
+    for (filter, spp) in [(Filter::Gaussian, 1), (Filter::Mitchell, 4), (Filter::Triangle, 3), (Filter::Box, 9)] {
+        let world = ball(|s| {
+            s.film.filter = filter;
+            s.film.spp = spp;
+            s.film.width = 24;
+            s.film.height = 16;
+            // From within the ball: all that is seen is the skin's inner side, of alpha 1.
+            s.render.fur = pelage::scene::Fur::Base;
+            s.camera.eye = [0.0, 0.0, 0.1];
+        });
+        let film = worlds::render(&world).film;
+        let alpha = worlds::plane(&film, "A");
+        assert!(alpha.iter().all(|a| (a - 1.0).abs() < 1e-5), "{filter:?} {spp}: {alpha:?}");
+    }
+}

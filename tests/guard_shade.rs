@@ -1,0 +1,67 @@
+//! `guard_shade` against its twin: the radiance of every strand vertex.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/lit.rs"]
+mod lit;
+#[path = "common/worlds.rs"]
+mod worlds;
+
+use glam::Vec3;
+use lit::Lit;
+use pelage::layout::Root;
+use pelage::reference::film::halves;
+use pelage::reference::guard_shade::{HIDDEN, shade};
+use pelage::scene::{Scene, Shading};
+use worlds::ball;
+
+/// Compares all strands; `fibre_factor` disturbs the twin's fibre.
+fn agreement(edit: impl FnOnce(&mut Scene), fibre_factor: f32) -> f64 {
+    let Some(gpu) = gpu::open() else { return 1.0 };
+    let lit = Lit::new(gpu, ball(edit));
+    let segments = lit.fixture.prepared.segments as usize;
+    let count = lit.fixture.strands();
+    let roots: Vec<Root> = lit.fixture.read("roots", count);
+    let vertices = lit.fixture.strand_vertices();
+    let shades: Vec<[u32; 2]> = lit.fixture.read("shades", count * (segments + 1));
+    let (light, maps) = (lit.lattice(), lit.fixture.maps());
+    let mut fibre = lit.fixture.packed.fibre;
+    fibre.width[0] *= fibre_factor;
+    let (mut good, mut lit_up, mut hidden) = (0, 0, 0);
+    for (i, root) in roots.iter().enumerate() {
+        let range = i * (segments + 1)..(i + 1) * (segments + 1);
+        let wanted = shade(&light, &maps, &fibre, root, &vertices[range.clone()]);
+        for (found, wanted) in shades[range].iter().zip(&wanted) {
+            let [[r, g], [b, out]] = found.map(halves);
+            let found = Vec3::new(r, g, b);
+            if (wanted.eye_tau - HIDDEN).abs() > 0.1 {
+                assert_eq!(out > 0.5, wanted.eye_tau > HIDDEN, "strand {i}: {wanted:?}");
+            }
+            if out > 0.5 {
+                hidden += 1;
+                continue;
+            }
+            lit_up += 1;
+            good += usize::from((found - wanted.radiance).abs().max_element() < 2e-3 * (0.05 + wanted.radiance.max_element()));
+        }
+    }
+    println!("{good} of {lit_up} vertices agree, {hidden} hidden");
+    assert!(lit_up > 5000 && hidden > 100, "{lit_up} {hidden}");
+    f64::from(good as u32) / f64::from(lit_up as u32)
+}
+
+#[test]
+fn shades_agree_with_the_twin() {
+    // At the border of a lattice cell single precision may choose the other side: continuous, but not to the last digit.
+    assert!(agreement(|_| (), 1.0) > 0.995);
+}
+
+#[test]
+fn paper_shading_agrees_with_the_twin() {
+    assert!(agreement(|s| s.render.shading = Shading::Paper, 1.0) > 0.995);
+}
+
+#[test]
+fn another_fibre_does_not_agree() {
+    assert!(agreement(|_| (), 1.05) < 0.9);
+}

@@ -1,0 +1,354 @@
+//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function from texts to
+//! complaints, so that it is also tried on texts that break it.
+
+mod common;
+
+use common::root;
+use std::collections::BTreeSet;
+use std::path::Path;
+
+/// A file of the repository: its path from the root, with `/`, and its text.
+struct Source {
+    path: String,
+    text: String,
+}
+
+impl Source {
+    fn new(path: &str, text: &str) -> Self {
+        Self { path: path.into(), text: text.into() }
+    }
+
+    fn is(&self, folder: &str, extension: &str) -> bool {
+        self.path.starts_with(folder) && self.path.ends_with(extension)
+    }
+
+    /// `line number, comment` for each line that has one.
+    fn comments(&self) -> impl Iterator<Item = (usize, &str)> {
+        let mark = if self.path.ends_with(".rs") || self.path.ends_with(".wgsl") { "//" } else { "#" };
+        self.text.lines().enumerate().filter_map(move |(i, line)| Some((i + 1, line.split_once(mark)?.1)))
+    }
+}
+
+/// All texts that people write, sorted by path.
+fn sources() -> Vec<Source> {
+    fn walk(folder: &Path, found: &mut Vec<Source>) {
+        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
+            let path = entry.path();
+            if path.is_dir() {
+                walk(&path, found);
+            } else if let Ok(text) = std::fs::read_to_string(&path) {
+                let path = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
+                found.push(Source { path, text });
+            }
+        }
+    }
+    let mut found = Vec::new();
+    for folder in
+        ["src", "shaders", "tests", "benches", "scripts", "scenes", "presets", "paper_figures", ".ci", "docs"]
+    {
+        walk(&root().join(folder), &mut found);
+    }
+    for file in
+        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/README.md", "Cargo.toml"]
+    {
+        let text = std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
+        found.push(Source { path: file.into(), text });
+    }
+    found.sort_by(|a, b| a.path.cmp(&b.path));
+    found
+}
+
+fn assert_none(complaints: Vec<String>) {
+    assert!(complaints.is_empty(), "{} complaints:\n{}", complaints.len(), complaints.join("\n"));
+}
+
+// One stem names the shader, its record in Rust, its CPU twin and its test.
+
+/// What a stem lacks or has elsewhere, and why.
+const EXCEPTIONS: [(&str, &str, &str); 1] =
+    [("film", "tests/film_pass.rs", "tests/film.rs is the test of the module film, which writes images")];
+
+fn stem_complaints(paths: &BTreeSet<&str>, exceptions: &[(&str, &str, &str)]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for stem in paths.iter().filter_map(|p| p.strip_prefix("shaders/")?.strip_suffix(".wgsl")) {
+        if stem.contains('/') {
+            continue;
+        }
+        for wanted in
+            [format!("src/passes/{stem}.rs"), format!("src/reference/{stem}.rs"), format!("tests/{stem}.rs")]
+        {
+            let folder = wanted.split('/').next().unwrap_or_default();
+            let excepted = exceptions.iter().find(|(s, path, _)| *s == stem && path.starts_with(folder));
+            let path = excepted.map_or(wanted.as_str(), |(_, path, _)| path);
+            if !paths.contains(path) {
+                complaints.push(format!("shaders/{stem}.wgsl has no {path}"));
+            }
+        }
+    }
+    for pass in paths.iter().filter_map(|p| p.strip_prefix("src/passes/")?.strip_suffix(".rs")) {
+        if !paths.contains(format!("shaders/{pass}.wgsl").as_str()) {
+            complaints.push(format!("src/passes/{pass}.rs has no shader of its name"));
+        }
+    }
+    complaints
+}
+
+#[test]
+fn a_stem_names_shader_pass_twin_and_test() {
+    let sources = sources();
+    assert_none(stem_complaints(&sources.iter().map(|s| s.path.as_str()).collect(), &EXCEPTIONS));
+}
+
+#[test]
+fn missing_files_of_a_stem_are_found() {
+    let paths = BTreeSet::from(["shaders/a.wgsl", "src/passes/a.rs", "src/reference/a.rs", "tests/a.rs"]);
+    assert!(stem_complaints(&paths, &[]).is_empty());
+    for path in &paths {
+        let mut fewer = paths.clone();
+        fewer.remove(path);
+        assert_eq!(stem_complaints(&fewer, &[]).len(), 1, "without {path}");
+    }
+    assert_eq!(stem_complaints(&paths, &[("a", "tests/b.rs", "why")]).len(), 1);
+}
+
+#[test]
+fn every_shader_is_compiled_into_the_program() {
+    let listed: BTreeSet<String> =
+        pelage::gpu::shader::SOURCES.iter().map(|(name, _)| format!("shaders/{name}.wgsl")).collect();
+    let there: BTreeSet<String> =
+        sources().iter().filter(|s| s.is("shaders/", ".wgsl")).map(|s| s.path.clone()).collect();
+    assert_eq!(listed, there);
+    let imported: BTreeSet<String> = pelage::gpu::shader::SOURCES
+        .iter()
+        .flat_map(|(_, text)| text.lines().filter_map(|l| l.strip_prefix("#import ")))
+        .map(|name| format!("shaders/{}.wgsl", name.trim()))
+        .collect();
+    let unused: Vec<_> = there.iter().filter(|p| p.contains("/shared/") && !imported.contains(*p)).collect();
+    assert!(unused.is_empty(), "shared shaders that nothing imports: {unused:?}");
+}
+
+/// Functions are shared, bindings are not, but for the frame that everything sees.
+#[test]
+fn shared_shaders_declare_no_bindings_and_no_entry_points() {
+    let mut complaints = Vec::new();
+    for s in sources().iter().filter(|s| s.is("shaders/shared/", ".wgsl")) {
+        for word in ["@group", "@binding", "@compute", "@vertex", "@fragment"] {
+            if s.text.contains(word) && !(s.path.ends_with("/frame.wgsl") && word.ends_with(['p', 'g'])) {
+                complaints.push(format!("{} has a {word}", s.path));
+            }
+        }
+    }
+    assert_none(complaints);
+}
+
+// Citations.
+
+/// Keys in brackets of a comment: a capital, then letters, digits, hyphens; at least four of them.
+fn citations(comment: &str) -> Vec<&str> {
+    let is_key = |key: &&str| {
+        key.len() >= 4
+            && key.starts_with(|c: char| c.is_ascii_uppercase())
+            && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '-')
+    };
+    comment.split('[').skip(1).filter_map(|rest| Some(rest.split_once(']')?.0)).filter(is_key).collect()
+}
+
+/// The keys that the last section of ARCHITECTURE.md explains: `- [Key] ...`.
+fn references(architecture: &str) -> BTreeSet<&str> {
+    let (_, section) = architecture.rsplit_once("\n## ").unwrap_or_default();
+    assert!(section.starts_with("References"), "the last section of ARCHITECTURE.md is called References");
+    section.lines().filter_map(|l| Some(l.strip_prefix("- [")?.split_once(']')?.0)).collect()
+}
+
+fn citation_complaints(sources: &[Source], keys: &BTreeSet<&str>) -> Vec<String> {
+    let mut complaints = Vec::new();
+    let mut used = BTreeSet::new();
+    for s in sources.iter().filter(|s| !s.path.ends_with(".md") && s.path != "tests/tidy.rs") {
+        for (line, comment) in s.comments() {
+            for key in citations(comment) {
+                used.insert(key);
+                if !keys.contains(key) {
+                    complaints.push(format!("{}:{line}: [{key}] is not in the References", s.path));
+                }
+            }
+        }
+    }
+    let unused = keys.iter().filter(|key| !used.contains(**key));
+    complaints.extend(unused.map(|key| format!("ARCHITECTURE.md: nothing cites [{key}]")));
+    complaints
+}
+
+#[test]
+fn citations_are_known() {
+    let sources = sources();
+    let architecture = sources.iter().find(|s| s.path == "ARCHITECTURE.md").unwrap();
+    assert_none(citation_complaints(&sources, &references(&architecture.text)));
+}
+
+#[test]
+fn unknown_and_unused_citations_are_found() {
+    let keys = references("# A\n\n## References\n\n- [Known2000] A book.\n");
+    let complaints = |text| citation_complaints(&[Source::new("src/a.rs", text)], &keys);
+    assert!(complaints("// [Known2000] eq. 3\nlet a = b[C2];").is_empty());
+    assert_eq!(complaints("// [Known2000], [Unknown1999]").len(), 1);
+    assert_eq!(complaints("// [`Error`] and [f32] and [Kd]").len(), 1, "only the unused one");
+}
+
+/// A deviation says what from, or why.
+fn deviation_complaints(sources: &[Source]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for s in sources.iter().filter(|s| !s.path.ends_with(".md") && s.path != "tests/tidy.rs") {
+        let lines: Vec<&str> = s.text.lines().collect();
+        for (i, line) in lines.iter().enumerate() {
+            if let Some((_, reason)) = line.split_once("DEVIATION") {
+                let next = lines.get(i + 1).map(|l| l.trim_start()).filter(|l| l.starts_with("//"));
+                let reason = format!("{reason}{}", next.unwrap_or_default());
+                if !reason.starts_with(": ") || reason.split_whitespace().count() < 6 {
+                    complaints.push(format!("{}:{}: expected `DEVIATION: ` and a reason", s.path, i + 1));
+                }
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn deviations_have_reasons() {
+    assert_none(deviation_complaints(&sources()));
+    let complaints = |text| deviation_complaints(&[Source::new("src/a.rs", text)]).len();
+    assert_eq!(complaints("// DEVIATION: the paper draws quads,\n// which have seams."), 0);
+    assert_eq!(complaints("// DEVIATION: faster"), 1);
+    assert_eq!(complaints("// A DEVIATION because of all kinds of reasons that count"), 1);
+}
+
+// Leftovers.
+
+fn leftover_complaints(sources: &[Source]) -> Vec<String> {
+    // Written in parts, so that this file does not hold them.
+    let words: Vec<String> = [
+        ("FIX", "ME"),
+        ("XX", "X"),
+        ("TO", "DO"),
+        ("todo", "!"),
+        ("unimpl", "emented!"),
+        ("dbg", "!("),
+        ("#[ig", "nore"),
+    ]
+    .iter()
+    .map(|(a, b)| format!("{a}{b}"))
+    .collect();
+    let places: Vec<String> = [
+        ("/ho", "me/"),
+        ("/ro", "ot/"),
+        ("/wo", "rk/"),
+        ("/Us", "ers/"),
+        ("C:\\", "Users"),
+        ("/tm", "p/"),
+        ("../sh", "ared"),
+    ]
+    .iter()
+    .map(|(a, b)| format!("{a}{b}"))
+    .collect();
+    let mut complaints = Vec::new();
+    for s in sources {
+        for (i, line) in s.text.lines().enumerate() {
+            let mut find = |list: &[String], what: &str| {
+                // mktemp's template is no mark.
+                let line = line.replace("XXXXXX", "");
+                if let Some(word) = list.iter().find(|w| line.contains(w.as_str())) {
+                    complaints.push(format!("{}:{}: {what} {word}", s.path, i + 1));
+                }
+            };
+            find(&words, "a leftover:");
+            // The integration run alone knows where its assets lie.
+            if s.path != ".ci/run" {
+                find(&places, "a place on one machine:");
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn nothing_is_left_over() {
+    assert_none(leftover_complaints(&sources()));
+    let complaints = |text: String| leftover_complaints(&[Source::new("a.rs", &text)]).len();
+    assert_eq!(complaints("todo: nothing, and home/sweet".into()), 0);
+    assert_eq!(complaints(format!("// {}{}", "FIX", "ME later\n")), 1);
+    assert_eq!(complaints(format!("let a = \"{}{}\";", "/ho", "me/me/a.obj")), 1);
+}
+
+/// Library code returns errors; only its unit tests, at the end of a file, may panic.
+fn panic_complaints(sources: &[Source]) -> Vec<String> {
+    let mut complaints = Vec::new();
+    for s in sources.iter().filter(|s| s.is("src/", ".rs")) {
+        let code = s.text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+        for (i, line) in code.lines().enumerate().filter(|(_, l)| !l.trim_start().starts_with("//")) {
+            for call in [".unwrap()", ".expect(", "panic!(", "unreachable!(", "unsafe "] {
+                if line.contains(call) {
+                    complaints.push(format!("{}:{}: {call}", s.path, i + 1));
+                }
+            }
+            // Files appear whole or not at all: `files` writes them.
+            for call in ["fs::write(", "File::create(", "fs::File::create_new("] {
+                if line.contains(call) && s.path != "src/files.rs" {
+                    complaints.push(format!("{}:{}: {call}, expected a function of files", s.path, i + 1));
+                }
+            }
+        }
+    }
+    complaints
+}
+
+#[test]
+fn the_library_neither_panics_nor_writes_torn_files() {
+    assert_none(panic_complaints(&sources()));
+    let complaints = |text| panic_complaints(&[Source::new("src/a.rs", text)]).len();
+    assert_eq!(
+        complaints("a.unwrap_or(b);\n// .unwrap()\n#[cfg(test)]\nmod tests {\n    a.unwrap();\n}\n"),
+        0
+    );
+    assert_eq!(complaints("a.unwrap();\nstd::fs::write(a, b);\n"), 2);
+}
+
+#[test]
+fn files_are_short() {
+    const MOST: usize = 600;
+    let long = sources().into_iter().filter(|s| !s.path.ends_with(".md"));
+    let long = long.map(|s| (s.text.lines().count(), s.path)).filter(|(lines, _)| *lines > MOST);
+    assert_none(long.map(|(lines, path)| format!("{path}: {lines} lines, more than {MOST}")).collect());
+}
+
+/// A file of Rust that no `mod` names is not compiled, and nobody notices.
+#[test]
+fn every_module_has_a_parent() {
+    let sources = sources();
+    let mut complaints = Vec::new();
+    for s in sources
+        .iter()
+        .filter(|s| s.is("src/", ".rs") && !["src/lib.rs", "src/main.rs"].contains(&s.path.as_str()))
+    {
+        let (folder, name) = s.path.trim_end_matches(".rs").rsplit_once('/').unwrap();
+        let parent = if folder == "src" { "src/lib.rs".to_owned() } else { format!("{folder}.rs") };
+        let parent = sources.iter().find(|p| p.path == parent).map_or("", |p| &p.text);
+        if !parent.lines().any(|l| l.trim_end().ends_with(&format!("mod {name};"))) {
+            complaints.push(format!("{}: its parent does not name it", s.path));
+        }
+    }
+    assert_none(complaints);
+}
+
+/// Links of the documents to files of the repository.
+#[test]
+fn links_lead_somewhere() {
+    let mut complaints = Vec::new();
+    for s in sources().iter().filter(|s| s.path.ends_with(".md")) {
+        let folder = Path::new(&s.path).parent().unwrap();
+        for target in s.text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next()) {
+            if !target.is_empty() && !target.contains("://") && !root().join(folder).join(target).exists() {
+                complaints.push(format!("{}: {target} is not there", s.path));
+            }
+        }
+    }
+    assert_none(complaints);
+}

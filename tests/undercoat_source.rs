@@ -1,0 +1,53 @@
+//! `undercoat_source` against its twin: every node of the lattice, and the light of the skin.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/lit.rs"]
+mod lit;
+#[path = "common/worlds.rs"]
+mod worlds;
+
+use lit::Lit;
+use pelage::reference::film::halves;
+use pelage::reference::undercoat_source::unpack;
+use pelage::scene::DirectionalLight;
+use worlds::ball;
+
+#[test]
+fn source_and_skin_agree_with_the_twin() {
+    let Some(gpu) = gpu::open() else { return };
+    let lit = Lit::new(gpu, ball(|s| {
+        // Two key lights and two that are summed.
+        s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
+        s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
+        s.undercoat.specular = 0.4;
+        s.undercoat.lean = 0.5;
+        s.guard.comb_direction = [1.0, 0.0, 0.0];
+    }));
+    let fur = &lit.fixture.fur;
+    let light = lit.lattice();
+    let source: Vec<[u32; 4]> = lit.fixture.read("source", lit.nodes());
+    let base: Vec<[u32; 2]> = lit.fixture.read("base_light", fur.columns as usize);
+    let (mut brightest, mut worst) = (0f32, 0f32);
+    for column in 0..fur.columns {
+        for level in 0..=fur.levels {
+            let place = lit.place(column, level);
+            let wanted = light.source(column, level, &place);
+            let found = unpack(source[(column * (fur.levels + 1) + level) as usize]);
+            // Halves of up to 24: 2^-6 at most; of logarithms.
+            let ambient = (found.log_ambient - wanted.log_ambient).abs().max_element();
+            worst = worst.max(ambient);
+            assert!(ambient < 0.02, "column {column}, level {level}: {found:?} is not {wanted:?}");
+            assert_eq!(found.key_tau, wanted.key_tau, "column {column}, level {level}");
+            assert!((found.albedo - wanted.albedo).abs().max_element() < 1.1 / 1023.0);
+            assert!((found.density - wanted.density).abs() < 1e-3);
+            brightest = brightest.max(wanted.log_ambient.max_element());
+        }
+        let wanted = light.base_light(column, &lit.place(column, 0));
+        let [r, g] = halves(base[column as usize][0]);
+        let found = glam::Vec3::new(r, g, halves(base[column as usize][1])[0]);
+        assert!((found - wanted).abs().max_element() < 1e-3 * (1.0 + wanted.max_element()), "column {column}: {found} {wanted}");
+    }
+    println!("brightest ambient 2^{brightest:.2}, largest difference of logarithms {worst:.4}");
+    assert!(brightest > -6.0, "nothing is lit by the lights that are summed");
+}
