@@ -11,8 +11,9 @@ pub use kernel::{Kernel, RasterKernel, Resource, Scope};
 pub use memory::{Buffer, Ledger};
 pub use recorder::Recorder;
 
+use crate::passes::Passes;
 use crate::{Error, Result};
-use std::sync::{Arc, Mutex};
+use std::sync::{Arc, Mutex, OnceLock};
 
 /// An open device with everything that the passes need of it.
 pub struct Gpu {
@@ -26,9 +27,13 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Whether passes can be timed.
     pub timestamps: bool,
+    /// The adapter is the CPU: passes are timed by the clock, one by one.
+    pub software: bool,
     /// Allocations alive and their peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
+    /// With densities evaluated, and stored.
+    passes: [OnceLock<Arc<Passes>>; 2],
 }
 
 /// What the device reported outside any error scope.
@@ -70,7 +75,32 @@ impl Gpu {
                 faults.lost = Some(message);
             }
         });
-        Ok(Self { device, queue, info, limits, timestamps, ledger: Arc::default(), faults })
+        let software = info.device_type == wgpu::DeviceType::Cpu;
+        Ok(Self {
+            device,
+            queue,
+            info,
+            limits,
+            timestamps: timestamps || software,
+            software,
+            ledger: Arc::default(),
+            faults,
+            passes: Default::default(),
+        })
+    }
+
+    /// All passes, for densities that are stored or evaluated; compiled at the first call, so that further renderings on this
+    /// device do not compile again.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with file and line of a fault in a shader.
+    pub fn passes(&self, stored: bool) -> Result<Arc<Passes>> {
+        let slot = &self.passes[usize::from(stored)];
+        if let Some(passes) = slot.get() {
+            return Ok(passes.clone());
+        }
+        let made = Arc::new(Passes::new(self, stored)?);
+        Ok(slot.get_or_init(|| made).clone())
     }
 
     /// An error if the device reported one since the last call; `during` names the pass.

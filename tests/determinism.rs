@@ -76,3 +76,10 @@ fn budget_does_not_show() {
     let found = differing(&roomy.film, &tight.film);
     assert!(found.is_empty(), "plane, pixels, most, first: {found:?}");
 }
+
+#[test]
+fn viewport_of_shader_and_recorder_are_one() {
+    let frame = pelage::gpu::shader::SOURCES.iter().find(|(name, _)| *name == "shared/frame").expect("shared/frame").1;
+    let line = format!("const RASTER_MARGIN: f32 = {:.1};", pelage::gpu::recorder::RASTER_MARGIN);
+    assert!(frame.contains(&line), "no line `{line}` in shared/frame.wgsl");
+}

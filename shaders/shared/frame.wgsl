@@ -41,19 +41,25 @@ fn film_from_world(p: vec3f) -> vec3f {
     return vec3f((ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size - frame.jitter, z);
 }
 
+// Samples around the tile that the raster's viewport covers as well: a triangle that is clipped has its new edges rounded to the raster's
+// grid, and a sample just on one of them would then depend on the tile. The same number stands in src/gpu/recorder.rs.
+const RASTER_MARGIN: f32 = 1024.0;
+
 // World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions are rounded to the raster's own grid of
 // 1/256 sample in film space, so that a triangle covers the same samples in whatever tile it is drawn.
 fn clip_from_world(p: vec3f) -> vec4f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);
+    let corner = vec2f(frame.tile_origin) - RASTER_MARGIN;
+    let size = vec2f(frame.tile_size) + 2.0 * RASTER_MARGIN;
     if z < frame.near {
         let slope_z = vec2f(dot(v, frame.right), dot(v, frame.up)) + frame.lens_shear * z;
         let s_z = (slope_z / vec2f(frame.tan_x, frame.tan_y) * vec2f(0.5, -0.5) + 0.5 * z) * frame.film_size;
-        let tile_z = s_z - (vec2f(frame.tile_origin) + frame.jitter) * z;
-        return vec4f((2.0 * tile_z / vec2f(frame.tile_size) - z) * vec2f(1.0, -1.0), frame.near, z);
+        let tile_z = s_z - (corner + frame.jitter) * z;
+        return vec4f((2.0 * tile_z / size - z) * vec2f(1.0, -1.0), frame.near, z);
     }
-    let s = round(film_from_world(p).xy * 256.0) / 256.0 - vec2f(frame.tile_origin);
-    let ndc = (2.0 * s / vec2f(frame.tile_size) - 1.0) * vec2f(1.0, -1.0);
+    let s = round(film_from_world(p).xy * 256.0) / 256.0 - corner;
+    let ndc = (2.0 * s / size - 1.0) * vec2f(1.0, -1.0);
     return vec4f(ndc * z, frame.near, z);
 }
 

@@ -8,6 +8,10 @@ use std::collections::BTreeMap;
 /// Timestamp queries of one recording.
 const QUERIES: u32 = 512;
 
+/// Samples around the tile that the viewport covers as well, so that triangles are not clipped at the tile's edge; the same
+/// number stands in `shaders/shared/frame.wgsl`.
+pub const RASTER_MARGIN: f32 = 1024.0;
+
 /// GPU time of passes by `stem.entry`, over all recordings.
 #[derive(Debug, Clone, Default)]
 pub struct Timings {
@@ -147,7 +151,8 @@ impl<'g> Recorder<'g> {
         });
         pass.set_pipeline(&kernel.pipeline);
         pass.set_bind_group(0, &bind_group, &[]);
-        pass.set_viewport(0.0, 0.0, targets.size[0] as f32, targets.size[1] as f32, 0.0, 1.0);
+        let [width, height] = targets.size.map(|s| s as f32 + 2.0 * RASTER_MARGIN);
+        pass.set_viewport(-RASTER_MARGIN, -RASTER_MARGIN, width, height, 0.0, 1.0);
         pass.set_scissor_rect(0, 0, targets.size[0], targets.size[1]);
         pass.draw(0..vertices, 0..1);
         Ok(())

@@ -43,7 +43,7 @@ pub fn shade(light: &Lattice<'_>, maps: &Maps<'_>, fibre: &Fibre, root: &Root, s
         let tint = ends[0].lerp(ends[1], u * u * (3.0 - 2.0 * u)).clamp(Vec3::ZERO, Vec3::ONE);
         // A strand that hangs over the border of the skin keeps its last place.
         inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
-        let cell = cell(fur, place.prism, place.vertices, place.lambda, place.t);
+        let cell = cell(fur, &place);
         let corners = |j: u32| {
             [0, 1, 2].map(|c| {
                 let node = node_index(fur, cell.columns[c], cell.level);

@@ -24,7 +24,7 @@ impl Attenuator<'_> {
     /// Extinction by undercoat and guard hairs at a place, towards `w`, 1/cm.
     pub fn extinction(&self, place: &Place, w: Vec3) -> f32 {
         let fur = self.undercoat.fur;
-        let cell = lattice::cell(fur, place.prism, place.vertices, place.lambda, place.t);
+        let cell = lattice::cell(fur, place);
         let (mut guard, mut density) = (0.0, 0.0);
         for k in 0..3 {
             let node = lattice::node_index(fur, cell.columns[k], cell.level) as usize;

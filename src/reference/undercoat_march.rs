@@ -108,7 +108,7 @@ pub struct Lookup {
 /// Interpolates the light lattice; the ambient radiance by its logarithm.
 pub fn look_up(scenery: &Scenery<'_>, place: &Place) -> Lookup {
     let fur = scenery.undercoat.fur;
-    let cell = lattice::cell(fur, place.prism, place.vertices, place.lambda, place.t);
+    let cell = lattice::cell(fur, place);
     let (mut ambient, mut tau, mut albedo) = (Vec4::ZERO, [0f32; 2], Vec3::ZERO);
     for (k, level) in (0..3).flat_map(|k| [(k, 0), (k, 1)]) {
         let part = if level == 0 { 1.0 - cell.fraction } else { cell.fraction };

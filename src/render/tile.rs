@@ -3,7 +3,7 @@
 use super::{marches_in_resolve, plan::SamplePlan};
 use crate::film::Film;
 use crate::gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
-use crate::gpu::recorder::{RasterTargets, Timings};
+use crate::gpu::recorder::{RASTER_MARGIN, RasterTargets, Timings};
 use crate::gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use crate::groom;
 use crate::layout::{Frame, Reconstruction};
@@ -89,7 +89,7 @@ impl<'a> Tiles<'a> {
         let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * NODE_BYTES)).min(list_limit / 32);
         let most_edge = (most as f64).sqrt() as u32;
         let wanted = scene.render.tile.unwrap_or(2048).max(SMALLEST * plan.grid);
-        let samples_edge = most_edge.min(wanted + 2 * plan.reach).min(4096).min(gpu.limits.max_texture_dimension_2d);
+        let samples_edge = most_edge.min(wanted + 2 * plan.reach).min(4096).min(gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32));
         let edge = (samples_edge.saturating_sub(2 * plan.reach) / plan.grid).max(SMALLEST);
         // No larger than the film.
         let edge = edge.min(scene.film.width.max(scene.film.height));

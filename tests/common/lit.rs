@@ -3,11 +3,12 @@
 #![allow(dead_code)] // Every test file uses a part of this.
 
 use crate::gpu::Fixture;
-use glam::{Vec2, Vec3};
+use glam::Vec2;
 use pelage::World;
 use pelage::camera;
 use pelage::gpu::Gpu;
 use pelage::layout::{Column, Frame};
+use pelage::reference::film::halves;
 use pelage::reference::lattice;
 use pelage::reference::shell::Place;
 use pelage::reference::undercoat::Undercoat;
@@ -41,7 +42,8 @@ impl Lit {
         let nodes = (fur.columns * (fur.levels + 1)) as usize;
         let columns: Vec<Column> = fixture.read("columns", fur.columns as usize);
         let tau = fixture.read("tau", nodes * lattice::tau_pairs(&fur) as usize);
-        let guard = fixture.read("guard_extinction", nodes);
+        let extinction: Vec<u32> = fixture.read("lattice_extinction", nodes);
+        let guard = extinction.into_iter().map(|word| halves(word)[1]).collect();
         let cells = if fur.storage == 1 {
             fixture.read("cells", fixture.prepared.subelements as usize)
         } else {
@@ -80,10 +82,7 @@ impl Lit {
 
     /// Where a node is.
     pub fn place(&self, column: u32, level: u32) -> Place {
-        let fur = &self.fixture.fur;
-        let (prism, lambda): (u32, Vec3) =
-            lattice::column_spot(fur, column, self.columns[column as usize].corner);
-        let t = level as f32 / fur.levels as f32 * fur.light_reach;
-        Place { t, lambda, ..self.fixture.shell.enter(prism) }
+        let Fixture { fur, shell, .. } = &self.fixture;
+        lattice::node_place(shell, fur, &self.columns[column as usize], level).0
     }
 }
