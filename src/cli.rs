@@ -4,7 +4,6 @@
 //! 3 the scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
-mod backend;
 mod bench;
 mod check;
 mod compare;

@@ -73,10 +73,12 @@
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
 
 pub mod assets;
+pub mod bench;
 pub mod camera;
 pub mod cli;
 pub mod compare;
 pub mod error;
+pub mod figure;
 pub mod files;
 pub mod film;
 pub mod gpu;
@@ -88,6 +90,7 @@ pub mod maps;
 pub mod mesh;
 pub mod passes;
 pub mod prepare;
+pub mod provenance;
 pub mod reference;
 pub mod render;
 pub mod scene;

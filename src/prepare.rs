@@ -15,6 +15,7 @@ use crate::skin::NONE;
 use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
 use occluders::bvh;
+use std::sync::Arc;
 use surface::{corner_uv, skin_vertices, subdivide, vertex_uv};
 
 /// A skin with its fur on the GPU.
@@ -22,7 +23,7 @@ pub struct Prepared<'g> {
     /// The device.
     pub gpu: &'g Gpu,
     /// The kernels.
-    pub passes: Passes,
+    pub passes: Arc<Passes>,
     /// Undercoat and lattice parameters as uploaded.
     pub fur: Fur,
     /// Segments a strand.
@@ -109,7 +110,7 @@ impl<'g> Prepared<'g> {
             Storage::Evaluated => false,
         };
         fur.storage = u32::from(stored);
-        let passes = Passes::new(gpu, stored)?;
+        let passes = gpu.passes(stored)?;
         let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;

@@ -5,6 +5,7 @@ mod strands;
 mod tile;
 
 pub use strands::strands;
+pub use tile::FRAGMENT_BYTES;
 
 use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;

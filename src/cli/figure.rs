@@ -1,7 +1,6 @@
 //! `pelage figure`.
 
-use super::backend::figure;
-use crate::Result;
+use crate::{Result, figure};
 use clap::Args;
 use std::path::PathBuf;
 
@@ -17,7 +16,7 @@ pub(super) struct FigureArgs {
     /// Folder for the images; not given: out/figures/NAME.
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER")]
     outfile: Option<PathBuf>,
-    /// Small and with few samples.
+    /// Small, one sample a pixel.
     #[arg(long)]
     quick: bool,
 }

@@ -51,6 +51,14 @@ impl Ledger {
         self.with(|c| c.peak)
     }
 
+    /// Forgets earlier peaks: from here on they count what is alive now and what comes.
+    pub fn reset_peaks(&self) {
+        self.with(|c| {
+            c.peak = c.current;
+            c.peak_by_step = c.current_by_step.clone();
+        });
+    }
+
     /// Largest number of bytes alive at once for a row of Table 1.
     pub fn peak_of_step(&self, step: u32) -> u64 {
         self.with(|c| c.peak_by_step.get(&step).copied().unwrap_or(0))

@@ -80,20 +80,23 @@ mod tests {
     #[test]
     fn lobes_have_the_integrals_of_the_notes() {
         // R, TT, TRT (no glint) at 0, 30, 60, 80 degrees, by an independent quadrature.
-        let wanted = [
-            [2.529, 2.818, 3.625, 4.559],
-            [0.2846, 0.3282, 0.5606, 1.4575],
-            [4.570, 5.381, 8.402, 16.79],
-        ];
+        let wanted =
+            [[2.529, 2.818, 3.625, 4.559], [0.2846, 0.3282, 0.5606, 1.4575], [4.570, 5.381, 8.402, 16.79]];
         for (i, row) in wanted.iter().enumerate() {
             for (degrees, wanted) in [0f64, 30.0, 60.0, 80.0].into_iter().zip(row) {
                 let found = albedo(&lobe(Some(i)), degrees.to_radians());
                 println!("lobe {i} at {degrees}: {found:.4}, wanted {wanted}");
                 if degrees < 70.0 {
-                    assert!((found / wanted - 1.0).abs() < 0.001, "lobe {i} at {degrees}: {found} is not {wanted}");
+                    assert!(
+                        (found / wanted - 1.0).abs() < 0.001,
+                        "lobe {i} at {degrees}: {found} is not {wanted}"
+                    );
                 } else {
                     // The notes divide by cos^2 without the cut at 0.05, which takes 10 to 40 % of the grazing excess.
-                    assert!(found < *wanted && found > 0.6 * wanted, "lobe {i} at {degrees}: {found}, uncut {wanted}");
+                    assert!(
+                        found < *wanted && found > 0.6 * wanted,
+                        "lobe {i} at {degrees}: {found}, uncut {wanted}"
+                    );
                 }
             }
         }
@@ -129,10 +132,14 @@ mod tests {
         let tint = Vec3::new(0.3, 0.6, 0.9);
         for i in 0..500 {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| f64::from(crate::reference::hash::random(i, k)));
-            let (l, v) = (direction(1.4 * (2.0 * a - 1.0), 6.28 * b), direction(1.4 * (2.0 * c - 1.0), 6.28 * d));
+            let (l, v) =
+                (direction(1.4 * (2.0 * a - 1.0), 6.28 * b), direction(1.4 * (2.0 * c - 1.0), 6.28 * d));
             let there = scatter(&fibre, Vec3::X, l, v, tint, 0.6) / (1.0 - l.x * l.x).sqrt();
             let back = scatter(&fibre, Vec3::X, v, l, tint, 0.6) / (1.0 - v.x * v.x).sqrt();
-            assert!((there - back).abs().max_element() < 1e-4 * (1.0 + there.max_element()), "{there} {back}");
+            assert!(
+                (there - back).abs().max_element() < 1e-4 * (1.0 + there.max_element()),
+                "{there} {back}"
+            );
         }
     }
 

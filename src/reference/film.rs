@@ -43,7 +43,8 @@ pub fn unpack(words: [u32; 8]) -> Sample {
         base: Vec3::new(d[0], d[1], base_b),
         through,
         z: f32::from_bits(words[5]),
-        normal: (words[6] != 0).then(|| octahedral::decode(Vec2::new(snorm(words[6]), snorm(words[6] >> 16)))),
+        normal: (words[6] != 0)
+            .then(|| octahedral::decode(Vec2::new(snorm(words[6]), snorm(words[6] >> 16)))),
         fragments: words[7],
     }
 }
@@ -61,9 +62,26 @@ pub fn pixel(r: &Reconstruction, size: [u32; 2], samples: &[Sample], pixel: [u32
         let normal = s.normal.unwrap_or(Vec3::ZERO);
         let seen = if s.z < 1e30 { 1.0 - s.through } else { 0.0 };
         let values = [
-            all.x, all.y, all.z, 1.0 - s.through, s.guard.x, s.guard.y, s.guard.z, s.undercoat.x, s.undercoat.y,
-            s.undercoat.z, s.base.x, s.base.y, s.base.z, normal.x, normal.y, normal.z, s.through, s.fragments as f32,
-            seen * s.z.min(1e20), seen,
+            all.x,
+            all.y,
+            all.z,
+            1.0 - s.through,
+            s.guard.x,
+            s.guard.y,
+            s.guard.z,
+            s.undercoat.x,
+            s.undercoat.y,
+            s.undercoat.z,
+            s.base.x,
+            s.base.y,
+            s.base.z,
+            normal.x,
+            normal.y,
+            normal.z,
+            s.through,
+            s.fragments as f32,
+            seen * s.z.min(1e20),
+            seen,
         ];
         sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += w * f64::from(v));
     }

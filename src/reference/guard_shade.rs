@@ -23,7 +23,13 @@ pub struct Shade {
 }
 
 /// Shades the vertices of a strand with its root.
-pub fn shade(light: &Lattice<'_>, maps: &Maps<'_>, fibre: &Fibre, root: &Root, strand: &[[f32; 4]]) -> Vec<Shade> {
+pub fn shade(
+    light: &Lattice<'_>,
+    maps: &Maps<'_>,
+    fibre: &Fibre,
+    root: &Root,
+    strand: &[[f32; 4]],
+) -> Vec<Shade> {
     let (fur, shell, groom) = (light.fur, light.shell, maps.groom);
     let lambda = Vec3::new(1.0 - root.lambda[0] - root.lambda[1], root.lambda[0], root.lambda[1]);
     let at = skin_point(shell, root.prism, lambda);

@@ -140,7 +140,13 @@ pub fn stored(fur: &Fur, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
 
 /// Blends strands and the undercoat marched from the list's entries, each at its true depth: the steps of the march are cut at
 /// every strand. What two entries share is counted for the first.
-pub fn exact(scenery: &Scenery<'_>, mut nodes: Vec<Node>, ray: Vec3, phase: f32, base: Option<Base>) -> Gathered {
+pub fn exact(
+    scenery: &Scenery<'_>,
+    mut nodes: Vec<Node>,
+    ray: Vec3,
+    phase: f32,
+    base: Option<Base>,
+) -> Gathered {
     sort(&mut nodes);
     let z_base = base.map_or(f32::INFINITY, |b| b.z);
     let mut pieces: Vec<Step> = Vec::new();
@@ -154,7 +160,8 @@ pub fn exact(scenery: &Scenery<'_>, mut nodes: Vec<Node>, ray: Vec3, phase: f32,
     pieces.retain(|s| s.z_end > s.z);
     let strands: Vec<&Node> = nodes.iter().filter(|n| n.kind() == Kind::Strand).collect();
     // All places where something changes.
-    let mut cuts: Vec<f32> = pieces.iter().flat_map(|s| [s.z, s.z_end]).chain(strands.iter().map(|n| n.z)).collect();
+    let mut cuts: Vec<f32> =
+        pieces.iter().flat_map(|s| [s.z, s.z_end]).chain(strands.iter().map(|n| n.z)).collect();
     cuts.sort_by(f32::total_cmp);
     cuts.dedup();
     let mut g = Gathered::new();

@@ -25,7 +25,12 @@ pub struct Source {
 pub fn unpack(words: [u32; 4]) -> Source {
     let [r, g] = halves(words[0]);
     let [b, density] = halves(words[1]);
-    Source { log_ambient: Vec3::new(r, g, b), density, key_tau: halves(words[2]), albedo: unpack_albedo(words[3]) }
+    Source {
+        log_ambient: Vec3::new(r, g, b),
+        density,
+        key_tau: halves(words[2]),
+        albedo: unpack_albedo(words[3]),
+    }
 }
 
 /// What the pass reads.

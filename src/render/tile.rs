@@ -15,7 +15,7 @@ use bytemuck::Zeroable;
 /// Bytes a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
 const SAMPLE_BYTES: u64 = 16 + 4 + 32 + 4 + 4;
 /// Bytes of a fragment in the lists.
-const NODE_BYTES: u64 = 20;
+pub const FRAGMENT_BYTES: u64 = 20;
 /// Fragments a sample that a tile is sized for.
 const EXPECTED_FRAGMENTS: u64 = 8;
 /// Smallest edge of a tile in pixels; a tile that small that still does not fit is an error.
@@ -73,7 +73,7 @@ impl<'a> Tiles<'a> {
         let used = gpu.ledger.current();
         // A pixel is held twice while it is read back.
         let sample_bytes = SAMPLE_BYTES + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
-        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * NODE_BYTES;
+        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * FRAGMENT_BYTES;
         // Bins, staging and pixels need some room too.
         let strands = match &prepared.resident {
             Some(_) => prepared.strands * 6,
@@ -86,7 +86,7 @@ impl<'a> Tiles<'a> {
             return Err(Error::OutOfMemory { pass: "resolve".into(), needed: used + reserve + smallest });
         }
         let list_limit = gpu.binding_limit();
-        let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * NODE_BYTES)).min(list_limit / 32);
+        let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * FRAGMENT_BYTES)).min(list_limit / 32);
         let most_edge = (most as f64).sqrt() as u32;
         let wanted = scene.render.tile.unwrap_or(2048).max(SMALLEST * plan.grid);
         let samples_edge = most_edge.min(wanted + 2 * plan.reach).min(4096).min(gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32));
@@ -97,7 +97,7 @@ impl<'a> Tiles<'a> {
         let samples = u64::from(extent[0]) * u64::from(extent[1]);
         let list_bytes = (room.saturating_sub(samples * (sample_bytes - 4))).min(list_limit).max(samples * 4 + 64);
         // More than a few hundred fragments a sample are never needed.
-        let list_bytes = list_bytes.min(samples * (4 + 400 * NODE_BYTES));
+        let list_bytes = list_bytes.min(samples * (4 + 400 * FRAGMENT_BYTES));
         let buffers = vec![
             gpu.storage("base_records", 5, samples * 16)?,
             gpu.storage("fragment_lists", 6, list_bytes)?,
@@ -247,7 +247,7 @@ impl<'a> Tiles<'a> {
         }
         self.stats.tiles_retried += 1;
         if job.size[0] <= SMALLEST && job.size[1] <= SMALLEST {
-            return Err(Error::OutOfMemory { pass: "resolve".into(), needed: outcome.fragments * NODE_BYTES });
+            return Err(Error::OutOfMemory { pass: "resolve".into(), needed: outcome.fragments * FRAGMENT_BYTES });
         }
         let half = job.size.map(|s| s.div_ceil(2).max(1));
         for y in [0, half[1]] {
@@ -276,7 +276,7 @@ impl<'a> Tiles<'a> {
         let samples = u64::from(size[0]) * u64::from(size[1]);
         let count = u64::from(job.size[0]) * u64::from(job.size[1]);
         let lists = self.buffer("fragment_lists");
-        let capacity = (lists.size / 4 - 1 - samples) / (NODE_BYTES / 4);
+        let capacity = (lists.size / 4 - 1 - samples) / (FRAGMENT_BYTES / 4);
         let pixels = gpu.storage("pixels", 7, count * u64::from(self.planes) * 4)?;
         let targets = RasterTargets { ids: &self.ids, depth: &self.depth, size };
         let exact = marches_in_resolve(scene.render.blend);

@@ -1,0 +1,98 @@
+//! `pelage figure`: the registry, and one figure from end to end.
+
+mod common;
+
+use common::{Folder, command, pelage, root};
+use pelage::figure::Figure;
+use pelage::{Scene, film::io};
+use serde_json::Value;
+
+#[test]
+fn every_figure_has_valid_scenes_and_a_caption() {
+    let names = Figure::names().expect("a registry");
+    for wanted in ["fig1", "fig8", "fig9", "fig11", "table1"] {
+        assert!(names.iter().any(|n| *n == format!("andersen2016-{wanted}")), "{wanted} is not in {names:?}");
+    }
+    for name in names {
+        let (figure, folder) = Figure::find(&name).expect("a valid figure.toml");
+        let caption = std::fs::read_to_string(folder.join("caption.md")).expect("a caption");
+        for part in [&format!("pelage figure {name}"), "Known differences", "# "] {
+            assert!(caption.contains(part), "{name}: no {part:?} in its caption");
+        }
+        for panel in &figure.panels {
+            match Scene::load(&folder.join(&panel.scene), &panel.set) {
+                Ok(_) => {}
+                // The bunny and its garden are downloaded.
+                Err(e) => assert!(e.to_string().contains("fetch_assets"), "{name}: {e}"),
+            }
+        }
+        for scene in figure.table.iter().flat_map(|t| &t.scenes) {
+            assert!(folder.join(scene).is_file(), "{name}: {scene}");
+        }
+    }
+}
+
+#[test]
+fn names_and_their_ends() {
+    assert_eq!(Figure::find("fig8").expect("unique").1, Figure::find("andersen2016-fig8").expect("exact").1);
+    pelage(&["figure", "fig"]).expect(2, &["andersen2016-fig1,"]);
+    let list = pelage(&["figure", "--list"]).expect(0, &[]).out;
+    assert!(list.lines().count() >= 5 && list.contains("andersen2016-table1"), "{list}");
+}
+
+#[test]
+fn a_figure_tells_how_to_get_what_it_lacks() {
+    let folder = Folder::new();
+    if root().join("assets/meshes/stanford-bunny.obj").exists() {
+        eprintln!("note: skipped, assets/ holds the bunny");
+        return;
+    }
+    pelage(&["figure", "fig11", "--quick", "-o", &folder.at("out")]).expect(3, &["fetch_assets.sh", "bunny"]);
+}
+
+/// A registry of one small figure, so that the test is fast.
+#[test]
+fn a_figure_from_end_to_end() {
+    let folder = Folder::new();
+    let place = folder.path().join("paper_figures/small");
+    std::fs::create_dir_all(&place).unwrap();
+    let panel = |label: &str, fur: &str| {
+        format!("[[panels]]\nlabel = {label:?}\nscene = \"scene.toml\"\nset = [\"render.fur={fur}\"]\n")
+    };
+    let head = "title = \"Small\"\nsource = \"nobody\"\ncolumns = 2\nsize = [288, 180]\nspp = 4\n";
+    std::fs::write(
+        place.join("figure.toml"),
+        head.to_owned() + &panel("guard hairs", "explicit") + &panel("skin", "base"),
+    )
+    .unwrap();
+    let scene = "[mesh]\nshape = \"pyramid\"\n[camera]\neye = [0, 6, 30]\n[[lights]]\n[guard]\ndensity = 4\n";
+    std::fs::write(place.join("scene.toml"), scene).unwrap();
+    let run = command().current_dir(folder.path()).args(["figure", "small", "--quick"]).output().unwrap();
+    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    let out = folder.path().join("out/figures/small");
+    let mut names: Vec<_> = std::fs::read_dir(&out)
+        .unwrap()
+        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
+        .collect();
+    names.sort();
+    assert_eq!(names, ["a_guard_hairs.exr", "b_skin.exr", "small.json", "small.png"]);
+    let record: Value =
+        serde_json::from_str(&std::fs::read_to_string(out.join("small.json")).unwrap()).unwrap();
+    assert_eq!(record["panels"][0]["stats"]["fur"], "explicit");
+    assert_eq!(record["panels"][1]["file"], "b_skin.exr");
+    assert!(record["provenance"]["adapter"].as_str().is_some_and(|s| !s.is_empty()));
+    let panel = io::read(out.join("a_guard_hairs.exr")).unwrap();
+    assert_eq!((panel.width, panel.height), (48, 30));
+    assert!(panel.plane("guard.R").unwrap().iter().any(|v| *v > 0.0), "guard hairs are seen");
+    let sheet = io::read(out.join("small.png")).unwrap();
+    assert!(sheet.width > 96 && sheet.height > 30);
+    let broken = place.join("figure.toml");
+    std::fs::write(&broken, "title = \"x\"\nsource = \"y\"\npanel = 3\n").unwrap();
+    let run = command().current_dir(folder.path()).args(["figure", "small"]).output().unwrap();
+    assert_eq!(run.status.code(), Some(3));
+    assert!(
+        String::from_utf8_lossy(&run.stderr).contains("figure.toml:3"),
+        "{}",
+        String::from_utf8_lossy(&run.stderr)
+    );
+}
