@@ -7,8 +7,9 @@ use gpu::{Fixture, Tile, jittered_grid, scaled, world_on};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::Root;
-use pelage::reference::guard_bins::{Tiles, touched};
+use pelage::reference::guard_bins::{Tiles, may_touch, touched};
 use pelage::reference::guard_raster::segment;
+use pelage::reference::strands::position;
 
 const FILM: [u32; 2] = [150, 100];
 
@@ -112,4 +113,50 @@ fn every_fragment_lies_in_a_tile_that_has_its_strand() {
         }
     }
     assert!(fragments > 1000, "{fragments}");
+}
+
+#[test]
+fn gathered_roots_are_all_that_may_touch_a_tile() {
+    let Some(gpu) = gpu::open() else { return };
+    let fixture = fixture(gpu, "eye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40");
+    let p = &fixture.prepared;
+    let strands = p.resident.as_ref().unwrap();
+    let tile = Tile::new(&fixture, FILM, [60, 40], [24, 24], 16);
+    let (length, margin) = (1.2f32, 2.0f32);
+    let n = u64::from(strands.count);
+    let buffers = [
+        p.gpu.uniform("tiles", &[0, 0, 24, 24, 1, 1, margin.to_bits(), length.to_bits()]).unwrap(),
+        p.gpu.storage("bin_counts", 6, 4).unwrap(),
+        p.gpu.storage("tile_roots", 6, n * 16).unwrap(),
+        p.gpu.storage("bins", 6, n * 4).unwrap(),
+    ];
+    let mut recorder = Recorder::new(p.gpu);
+    let scope = strands.scope(&tile.scope(&fixture)).with(&buffers.iter().collect::<Vec<_>>());
+    p.passes.guard_bins.record_gather(&mut recorder, &scope, strands.count).unwrap();
+    recorder.submit(&mut Timings::default()).unwrap();
+    let count = p.gpu.read::<u32>(&buffers[1], 4).unwrap()[0];
+    let gathered: Vec<Root> = p.gpu.read(&buffers[2], u64::from(count) * 16).unwrap();
+    let list: Vec<u32> = p.gpu.read(&buffers[3], u64::from(count) * 4).unwrap();
+    assert_eq!(list, (0..count).collect::<Vec<_>>());
+
+    let roots: Vec<Root> = fixture.read("roots", fixture.strands());
+    let vertices = fixture.strand_vertices();
+    let segments = p.segments as usize;
+    let shown = vec![[0u32; 2]; segments + 1];
+    let (mut wanted, mut seen, mut differ) = (0, 0, 0);
+    for (root, strand) in roots.iter().zip(vertices.chunks(segments + 1)) {
+        let there = gathered.contains(root);
+        let may = may_touch(&tile.frame, position(strand[0]), length, margin);
+        wanted += u32::from(may);
+        differ += u32::from(may != there);
+        let shows = (0..segments).any(|k| !segment(&tile.frame, strand, &shown, root.seed, k).is_empty());
+        seen += u32::from(shows);
+        assert!(there || !shows, "{root:?} shows in the tile");
+    }
+    assert!(
+        seen > 3 && wanted < strands.count,
+        "{seen} of {wanted} strands show, there are {}",
+        strands.count
+    );
+    assert!(differ <= 1, "{differ} of {wanted}");
 }

@@ -4,7 +4,7 @@
 mod gpu;
 
 use gpu::{Fixture, Tile};
-use pelage::reference::base_raster::unpack;
+use pelage::reference::base_raster::{NO_BASE, project, unpack};
 use pelage::reference::light_occlusion::hit;
 use pelage::reference::shell_entry::{entries, faces};
 use pelage::reference::view::sample_ray;
@@ -21,7 +21,7 @@ fn rays_enter_where_the_twin_says() {
         ("shape = \"cylinder_pelt\"\nsize = 2\nrotate = [20, 40, 0]", true),
     ] {
         let scene = format!(
-            "[mesh]\n{mesh}\n[camera]\neye = [1.5, 3, 4]\nfov = 42\n[[lights]]\n[undercoat]\nheight = 0.2\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
+            "[mesh]\n{mesh}\n[camera]\neye = [1.5, 1.2, 4]\nfov = 42\n[[lights]]\n[undercoat]\nheight = 0.2\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
         );
         let fixture = Fixture::new(gpu, gpu::world(&scene));
         let border: Vec<[u32; 2]> = fixture.read("border", fixture.prepared.walls as usize);
@@ -32,6 +32,9 @@ fn rays_enter_where_the_twin_says() {
         tile.draw_entries(&fixture);
         let base_z: Vec<f32> = tile.base_records(gpu).into_iter().map(|r| unpack(r).z).collect();
         let wanted = entries(&tile.frame, &fixture.shell, &border, &base_z);
+        let free = entries(&tile.frame, &fixture.shell, &border, &vec![NO_BASE; base_z.len()]);
+        let hidden = free.iter().map(Vec::len).sum::<usize>() - wanted.iter().map(Vec::len).sum::<usize>();
+        assert!(open || hidden > 50, "{mesh}: {hidden} entries lie behind the skin");
         let faces = faces(&fixture.shell, &border);
         let (mut total, mut odd, mut through_walls) = (0, 0, 0);
         for (i, (found, wanted)) in tile.lists(gpu).iter().zip(&wanted).enumerate() {
@@ -50,6 +53,18 @@ fn rays_enter_where_the_twin_says() {
                 sure &= !doubtful;
             }
             odd += usize::from(found.len() != wanted.len());
+            // And none that the twin does not know.
+            for node in found {
+                let prism = node.source & 0x3fff_ffff;
+                let known = wanted.iter().any(|e| e.prism == prism && (node.z - e.z).abs() < near(e.z));
+                let on_edge = || {
+                    let of_prism = faces.iter().filter(|(p, _)| *p == prism);
+                    let mut projected = of_prism.filter_map(|(_, corners)| project(&tile.frame, *corners));
+                    projected.any(|p| p.cover(&tile.frame, xy).margin.abs() < 0.01)
+                };
+                let doubtful = (node.z - base_z[i]).abs() < near(node.z) || on_edge();
+                assert!(known || doubtful, "{mesh}: sample {xy:?}: {node:?} not among {wanted:?}");
+            }
             // Ray casting: front faces before the skin.
             if sure && i % 7 == 0 {
                 let ray = sample_ray(&tile.frame, xy);

@@ -52,3 +52,22 @@ pub fn touched(frame: &Frame, tiles: &Tiles, strand: &[[f32; 4]]) -> Vec<u32> {
         corner.cmple(high).all() && (corner + size).cmpgt(low).all()
     })
 }
+
+/// Whether a strand from `root` (cm) that reaches `length` cm at most may touch the tile of `frame`; errs on the safe side.
+pub fn may_touch(frame: &Frame, root: Vec3, length: f32, margin: f32) -> bool {
+    let p = film_from_world(frame, root);
+    let nearest = p.z - length;
+    if p.z + length < frame.near {
+        return false;
+    }
+    if nearest <= frame.near {
+        return true;
+    }
+    // A sphere around the root; off the axis it looks a little longer.
+    let slope = frame.tan_x.max(frame.tan_y);
+    let radius = length * samples_per_slope(frame) / nearest * (1.0 + 2.0 * slope * slope).sqrt() + margin;
+    (0..2).all(|k| {
+        let low = frame.tile_origin[k] as f32;
+        (low - radius..=low + frame.tile_size[k] as f32 + radius).contains(&p[k])
+    })
+}

@@ -2,6 +2,7 @@
 
 use super::groom::{Maps, Parameter, SkinPoint};
 use crate::Skin;
+use crate::passes::shell_prisms::SPREAD_ROUNDS;
 use glam::{Vec2, Vec3};
 
 /// Height that the groom wants over a vertex, cm. `color` has eight bits a channel, as the GPU keeps it.
@@ -16,8 +17,11 @@ fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)
 }
 
-/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a tenth of its
-/// area at the top; never below a fifth.
+/// The shell's top climbs no steeper than this over the skin.
+const STEEPEST: f32 = 0.8;
+
+/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a tenth
+/// of its area at the top, and around such places; of its own accord no prism goes below a fifth.
 pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     let wanted: Vec<f32> =
         (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect();
@@ -29,6 +33,16 @@ pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32
             .unwrap_or(1.0 - 0.1 * 8.0);
         for v in triangle.map(|v| v as usize) {
             heights[v] = heights[v].min(part * wanted[v]);
+        }
+    }
+    for _ in 0..SPREAD_ROUNDS {
+        let before = heights.clone();
+        for t in &skin.triangles {
+            for (a, b) in [(t[0], t[1]), (t[1], t[2]), (t[2], t[0])].map(|(a, b)| (a as usize, b as usize)) {
+                let rise = STEEPEST * skin.positions[a].distance(skin.positions[b]);
+                heights[a] = heights[a].min(before[b] + rise);
+                heights[b] = heights[b].min(before[a] + rise);
+            }
         }
     }
     heights
