@@ -21,7 +21,7 @@ pub struct Column {
     pub total_gigabytes: f64,
 }
 
-/// [Andersen2016] table 1. The shell is step 4 and the base mesh step 5 there, as here; its text has them the other way round.
+/// Andersen et al. 2016, table 1. The shell is step 4 and the base mesh step 5 there, as here; its text has them the other way round.
 pub const TABLE_1: [Column; 3] = [
     Column {
         scene: "cylinder",

@@ -43,7 +43,7 @@ pub(super) fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
 /// Level d and first subelement of each prism, and the number of subelements.
 ///
 /// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
-/// nothing pops. [Andersen2016] sec. 3 calls this dynamic resolution and does not state its criterion.
+/// nothing pops. Andersen et al. 2016, sec. 3 calls this dynamic resolution and does not state its criterion.
 pub(super) fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
     let coat = &world.scene.undercoat;
     let layers = u64::from(coat.layers);

@@ -1,4 +1,4 @@
-//! Twin of `shaders/edge_table.wgsl`: neighbours over the edges, [Andersen2016] sec. 3.2, with an ordinary hash map.
+//! Twin of `shaders/edge_table.wgsl`: neighbours over the edges, Andersen et al. 2016, sec. 3.2, with an ordinary hash map.
 
 use crate::mesh::topology::edge_key;
 use crate::skin::NONE;

@@ -12,7 +12,7 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
 /// What a hair of unit tangent `tangent` scatters from `l` to `v` (unit, both leave the hair), for an irradiance of 1 on
 /// its side; the cosine of the incidence is in it. `tint` is the colour of one passage, `glint_angle` (radians) the strand's own.
 ///
-/// Single scattering R, TT, TRT of [Sadeghi2010] and the Kajiya-Kay diffuse term, lossless at `diffuse` = 1.
+/// Single scattering R, TT, TRT of Sadeghi et al. 2010 and the Kajiya-Kay diffuse term, lossless at `diffuse` = 1.
 pub fn scatter(fibre: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3, glint_angle: f32) -> Vec3 {
     let sin_i = tangent.dot(l).clamp(-1.0, 1.0);
     let sin_o = tangent.dot(v).clamp(-1.0, 1.0);
@@ -38,7 +38,7 @@ pub fn scatter(fibre: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3, glint
 mod tests {
     use super::*;
 
-    /// One lobe of intensity 1 with the widths of the notes on [Sadeghi2010], or the diffuse term alone.
+    /// One lobe of intensity 1 with the widths of the notes on Sadeghi et al. 2010, or the diffuse term alone.
     fn lobe(index: Option<usize>) -> Fibre {
         let mut intensity = [0.0; 3];
         if let Some(i) = index {

@@ -121,7 +121,7 @@ impl Shell {
     }
 
     /// Finds `x`, hopping over the most negative barycentric coordinate.
-    /// DEVIATION: [Andersen2016] sec. 3.2 names the closest edge.
+    /// DEVIATION: Andersen et al. 2016, sec. 3.2 names the closest edge.
     pub fn locate(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) -> Located {
         self.locate_by(place, x, ray, iterations, |place, _| most_negative(place.lambda))
     }
