@@ -32,7 +32,7 @@ step() {
 summary() {
     awk '/^test result: / { passed += $4; failed += $6; ignored += $8 }
         /Summary \[/ { sub(/.*\] */, ""); line = $0 }
-        /^note: skipped/ { notes++ }
+        /^ *note: skipped/ { notes++ }
         END {
             if (line != "") printf ": %s", line
             else if (passed) printf ": %d passed, %d ignored", passed, ignored

@@ -24,13 +24,15 @@ struct Counts {
 #import shared/shell_types
 #import shared/groom
 
+const FOLD_STEPS: u32 = 16u;
+
 fn wanted_height(v: u32) -> f32 {
     let s = skin_vertices[v];
     return max(0.0, scalar(UNDERCOAT_HEIGHT, SkinPoint(s.position, s.normal, vertex_uv[v], unpack4x8unorm(s.color).rgb)));
 }
 
 // Where neighbouring normals meet below the wanted height the shell would fold over: the three vertices are lowered to
-// where the prism keeps a tenth of its area. A lowered vertex keeps a fifth of its height, so that no spot is bald.
+// where the prism keeps a fifth of its area. A lowered vertex keeps a twentieth of its height, so that no spot is bald.
 @compute @workgroup_size(64)
 fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
@@ -43,17 +45,18 @@ fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let p1 = skin_vertices[v.y].position;
     let p2 = skin_vertices[v.z].position;
     let n = cross(p1 - p0, p2 - p0);
-    for (var step = 0u; step < 9u; step++) {
-        let part = 1.0 - 0.1 * f32(step);
+    var part = 1.0;
+    for (var step = 0u; step < FOLD_STEPS; step++) {
         let q0 = p0 + part * h.x * skin_vertices[v.x].normal;
         let q1 = p1 + part * h.y * skin_vertices[v.y].normal;
         let q2 = p2 + part * h.z * skin_vertices[v.z].normal;
-        if dot(cross(q1 - q0, q2 - q0), n) > 0.1 * dot(n, n) || step == 8u {
+        if dot(cross(q1 - q0, q2 - q0), n) > 0.2 * dot(n, n) || step + 1u == FOLD_STEPS {
             for (var k = 0u; k < 3u; k++) {
                 atomicMin(&reach[v[k]], bitcast<u32>(part * h[k]));
             }
             return;
         }
+        part *= 0.82;
     }
 }
 

@@ -201,19 +201,17 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
     Ok(report)
 }
 
-/// Renders a small scene in every blending mode, so that drivers that compile at the first dispatch have done so.
+/// Renders a small scene in every blending mode, with densities stored and evaluated, so that drivers that compile at the first dispatch have done so.
 fn warm_up(gpu: &Gpu) -> Result<()> {
     use crate::scene::{Blend, Storage};
     let scene = Scene::parse(WARM_UP, "warm-up", &[])?;
     let mut world = World::load(scene, &crate::assets::Assets::default())?;
-    for (blend, storage) in [
-        (Blend::Exact, Storage::Stored),
-        (Blend::Virtual, Storage::Evaluated),
-        (Blend::Simplified, Storage::Stored),
-    ] {
-        world.scene.render.blend = blend;
-        world.scene.undercoat.storage = storage;
-        render::render_on(gpu, &world, &render::RenderOptions::default())?;
+    for storage in [Storage::Stored, Storage::Evaluated] {
+        for blend in [Blend::Exact, Blend::Virtual, Blend::Simplified] {
+            world.scene.render.blend = blend;
+            world.scene.undercoat.storage = storage;
+            render::render_on(gpu, &world, &render::RenderOptions::default())?;
+        }
     }
     Ok(())
 }

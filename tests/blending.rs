@@ -5,9 +5,13 @@ mod worlds;
 
 use pelage::scene::{Blend, Fur, Scene, Storage};
 use pelage::stats::Stats;
-use worlds::{RGB, RGBA, ball, largest, plane, render, rmse};
+use worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 
-fn blended(blend: Blend, virtual_fragments: u32, edit: impl FnOnce(&mut Scene)) -> (pelage::film::Film, Stats) {
+fn blended(
+    blend: Blend,
+    virtual_fragments: u32,
+    edit: impl FnOnce(&mut Scene),
+) -> (pelage::film::Film, Stats) {
     let frame = render(&ball(|s| {
         s.render.blend = blend;
         s.render.virtual_fragments = virtual_fragments;
@@ -24,11 +28,15 @@ fn strength(film: &pelage::film::Film) -> f64 {
 #[test]
 fn virtual_fragments_converge_to_exact_blending() {
     // Bright enough that an error shows: the fur's brightest places are near 1.
-    let bright = |s: &mut Scene| s.lights.iter_mut().for_each(|l| l.irradiance = l.irradiance.map(|e| 6.0 * e));
+    let bright =
+        |s: &mut Scene| s.lights.iter_mut().for_each(|l| l.irradiance = l.irradiance.map(|e| 6.0 * e));
     let exact = blended(Blend::Exact, 1, bright).0;
     let errors = [1, 4, 16, 64].map(|n| rmse(&blended(Blend::Virtual, n, bright).0, &exact, &RGBA));
     let simplified = rmse(&blended(Blend::Simplified, 1, bright).0, &exact, &RGBA);
-    println!("virtual to exact, 1 4 16 64 fragments: {errors:.6?}; simplified: {simplified:.6}; rms {:.4}", strength(&exact));
+    println!(
+        "virtual to exact, 1 4 16 64 fragments: {errors:.6?}; simplified: {simplified:.6}; rms {:.4}",
+        strength(&exact)
+    );
     assert!(errors.windows(2).all(|e| e[1] < e[0]), "not falling: {errors:?}");
     assert!(errors[3] < 0.002, "{errors:?}");
     assert!(errors[0] > 0.002, "one virtual fragment is as good as 64: nothing was tested");
@@ -141,11 +149,14 @@ fn stored_and_evaluated_densities_make_the_same_image() {
     let (stored, a) = blended(Blend::Exact, 1, kept(Storage::Stored));
     let (evaluated, b) = blended(Blend::Exact, 1, kept(Storage::Evaluated));
     assert_eq!((a.storage.as_str(), b.storage.as_str()), ("stored", "evaluated"));
-    let error = rmse(&stored, &evaluated, &RGBA);
-    let most = largest(&stored, &evaluated, &RGBA);
-    println!("stored to evaluated: RMSE {error:.6}, largest {most:.5}");
-    assert!(error < 5e-4 && most < 0.01, "{error} {most}");
-    assert!(error > 0.0, "the two ways are one");
+    // An evaluated medium is rounded as if it were stored.
+    let found = differing(&stored, &evaluated);
+    assert!(found.is_empty(), "plane, pixels, most, first: {found:?}");
+    let finer = |s: &mut Scene| s.undercoat.layers *= 2;
+    assert!(
+        !differing(&stored, &blended(Blend::Exact, 1, finer).0).is_empty(),
+        "densities do not show at all"
+    );
 }
 
 #[test]
@@ -164,5 +175,10 @@ fn no_fragment_is_dropped() {
     assert_eq!(roomy.tiles_retried, 0);
     assert!(tight.tiles_retried > 0);
     assert_eq!(roomy.fragments, tight.fragments);
-    assert!(tight.gpu_peak_bytes <= tight.memory_budget_bytes, "{} of {}", tight.gpu_peak_bytes, tight.memory_budget_bytes);
+    assert!(
+        tight.gpu_peak_bytes <= tight.memory_budget_bytes,
+        "{} of {}",
+        tight.gpu_peak_bytes,
+        tight.memory_budget_bytes
+    );
 }

@@ -78,8 +78,30 @@ fn budget_does_not_show() {
 }
 
 #[test]
+fn strands_past_the_budget_do_not_show() {
+    let hairy = |memory: u64| {
+        with(Blend::Exact, |s| {
+            s.render.memory = memory;
+            s.film.spp = 1;
+            s.guard.density = 3000.0.into();
+        })
+    };
+    let roomy = render(&hairy(1 << 30));
+    let tight = render(&hairy(20 << 20));
+    // A strand takes a root and for each of seven vertices 24 bytes; three tenths of the budget are for strands.
+    assert!(roomy.stats.strands * 184 > (20 << 20) * 3 / 10, "all strands fit: nothing was tested");
+    assert_eq!(roomy.stats.strands, tight.stats.strands);
+    let found = differing(&roomy.film, &tight.film);
+    assert!(found.is_empty(), "plane, pixels, most, first: {found:?}");
+}
+
+#[test]
 fn viewport_of_shader_and_recorder_are_one() {
-    let frame = pelage::gpu::shader::SOURCES.iter().find(|(name, _)| *name == "shared/frame").expect("shared/frame").1;
+    let frame = pelage::gpu::shader::SOURCES
+        .iter()
+        .find(|(name, _)| *name == "shared/frame")
+        .expect("shared/frame")
+        .1;
     let line = format!("const RASTER_MARGIN: f32 = {:.1};", pelage::gpu::recorder::RASTER_MARGIN);
     assert!(frame.contains(&line), "no line `{line}` in shared/frame.wgsl");
 }

@@ -83,7 +83,10 @@ fn pixels_agree_with_the_twin() {
                 let found = f64::from(found[p * count as usize + i]);
                 // Single against double precision; fragments and depths are large numbers.
                 let tolerance = 2e-5 * (1.0 + wanted.abs());
-                assert!((found - wanted).abs() < tolerance, "{filter:?} {grid}, pixel {i}, plane {p}: {found} is not {wanted}");
+                assert!(
+                    (found - wanted).abs() < tolerance,
+                    "{filter:?} {grid}, pixel {i}, plane {p}: {found} is not {wanted}"
+                );
             }
         }
     }
@@ -92,7 +95,9 @@ fn pixels_agree_with_the_twin() {
 /// The weights of the renderer's plan add up to 1, so that an even image stays even to its edge.
 #[test]
 fn even_image_stays_even() {
-    for (filter, spp) in [(Filter::Gaussian, 1), (Filter::Mitchell, 4), (Filter::Triangle, 3), (Filter::Box, 9)] {
+    for (filter, spp) in
+        [(Filter::Gaussian, 1), (Filter::Mitchell, 4), (Filter::Triangle, 3), (Filter::Box, 9)]
+    {
         let world = ball(|s| {
             s.film.filter = filter;
             s.film.spp = spp;

@@ -42,7 +42,9 @@ fn agreement(edit: impl FnOnce(&mut Scene), fibre_factor: f32) -> f64 {
                 continue;
             }
             lit_up += 1;
-            good += usize::from((found - wanted.radiance).abs().max_element() < 2e-3 * (0.05 + wanted.radiance.max_element()));
+            good += usize::from(
+                (found - wanted.radiance).abs().max_element() < 2e-3 * (0.05 + wanted.radiance.max_element()),
+            );
         }
     }
     println!("{good} of {lit_up} vertices agree, {hidden} hidden");

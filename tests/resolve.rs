@@ -20,8 +20,12 @@ use worlds::ball;
 
 /// Largest difference of a resolved sample.
 fn difference(found: &Sample, wanted: &Gathered) -> f32 {
-    let colors = [(found.guard, wanted.guard), (found.undercoat, wanted.undercoat), (found.base, wanted.base)];
-    colors.iter().map(|(a, b)| (*a - *b).abs().max_element()).fold((found.through - wanted.through).abs(), f32::max)
+    let colors =
+        [(found.guard, wanted.guard), (found.undercoat, wanted.undercoat), (found.base, wanted.base)];
+    colors
+        .iter()
+        .map(|(a, b)| (*a - *b).abs().max_element())
+        .fold((found.through - wanted.through).abs(), f32::max)
 }
 
 fn scene(blend: Blend) -> impl FnOnce(&mut Scene) {
@@ -89,7 +93,8 @@ fn virtual_agrees_with_its_twin() {
 
 /// Words of the list buffer: `lists` with their nodes linked in the order given, all nodes strewn over the buffer by `seed`.
 fn words(lists: &[Vec<Node>], seed: u32) -> Vec<u32> {
-    let all: Vec<(usize, &Node)> = lists.iter().enumerate().flat_map(|(i, l)| l.iter().map(move |n| (i, n))).collect();
+    let all: Vec<(usize, &Node)> =
+        lists.iter().enumerate().flat_map(|(i, l)| l.iter().map(move |n| (i, n))).collect();
     let mut order: Vec<usize> = (0..all.len()).collect();
     order.sort_by_key(|i| pelage::reference::hash::hash2(seed, *i as u32));
     let mut words = vec![0; 1 + lists.len() + 5 * all.len()];
@@ -97,10 +102,18 @@ fn words(lists: &[Vec<Node>], seed: u32) -> Vec<u32> {
     for (place, i) in order.iter().enumerate() {
         let (list, node) = all[*i];
         let at = 1 + lists.len() + 5 * place;
-        let pack = |a: f32, b: f32| u32::from(f16::from_f32(a).to_bits()) | (u32::from(f16::from_f32(b).to_bits()) << 16);
+        let pack = |a: f32, b: f32| {
+            u32::from(f16::from_f32(a).to_bits()) | (u32::from(f16::from_f32(b).to_bits()) << 16)
+        };
         let c = node.color;
         let next = std::mem::replace(&mut words[1 + list], place as u32 + 1);
-        words[at..at + 5].copy_from_slice(&[next, node.z.to_bits(), node.source, pack(c.x, c.y), pack(c.z, c.w)]);
+        words[at..at + 5].copy_from_slice(&[
+            next,
+            node.z.to_bits(),
+            node.source,
+            pack(c.x, c.y),
+            pack(c.z, c.w),
+        ]);
     }
     words
 }
@@ -128,7 +141,11 @@ fn made_up(count: usize, seed: u32) -> Vec<Vec<Node>> {
 /// Samples of made-up lists.
 fn resolved(m: &Marched, lists: &[Vec<Node>], seed: u32) -> Vec<Sample> {
     let gpu = m.fixture.prepared.gpu;
-    gpu.queue.write_buffer(&m.tile.buffer("fragment_lists").raw, 0, bytemuck::cast_slice(&words(lists, seed)));
+    gpu.queue.write_buffer(
+        &m.tile.buffer("fragment_lists").raw,
+        0,
+        bytemuck::cast_slice(&words(lists, seed)),
+    );
     m.resolve(false)
 }
 

@@ -5,8 +5,8 @@ mod worlds;
 
 use glam::{Vec2, Vec3};
 use pelage::reference::{noise::Field, shell::Shell, undercoat::Undercoat, view};
-use pelage::{World, camera};
 use pelage::scene::{DirectionalLight, Fur};
+use pelage::{World, camera};
 use worlds::{plane, render, square};
 
 /// Undercoat of the slab: hairs/cm2, diameter in um, height in cm.
@@ -21,7 +21,8 @@ fn optical_depth(world: &World, angle: f64) -> f64 {
     let packed = pelage::groom::pack(world).expect("a groom");
     let shell = Shell::default();
     let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
-    let at = |layer: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (layer as f32 + 0.5) / LAYERS as f32, 0).density;
+    let at =
+        |layer: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (layer as f32 + 0.5) / LAYERS as f32, 0).density;
     let mean = (0..LAYERS).map(|l| f64::from(at(l))).sum::<f64>() / f64::from(LAYERS);
     assert!(mean > 0.8, "the slab is not full");
     f64::from(DENSITY) * f64::from(DIAMETER) * 1e-4 * f64::from(HEIGHT) * angle.tan() * mean

@@ -29,7 +29,7 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
     let medium = Attenuator { undercoat: lit.undercoat(), densities: &lit.densities, guard: &guard };
     let light = lit.lattice();
     let (mut sum, mut absolute, mut count) = (0f64, 0f64, 0);
-    for column in (0..fur.columns).filter(|c| hash2(*c, 1) % 8 == 0) {
+    for column in (0..fur.columns).filter(|c| hash2(*c, 1).is_multiple_of(8)) {
         for level in 0..=fur.levels {
             let place = lit.place(column, level);
             let x = place.point(place.t, place.lambda);
@@ -45,7 +45,11 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
         }
     }
     assert!(count > 1000, "{count}");
-    println!("transmittance at {count} nodes: mean difference {:+.5}, mean absolute {:.5}", sum / f64::from(count), absolute / f64::from(count));
+    println!(
+        "transmittance at {count} nodes: mean difference {:+.5}, mean absolute {:.5}",
+        sum / f64::from(count),
+        absolute / f64::from(count)
+    );
     Some((sum / f64::from(count), absolute / f64::from(count)))
 }
 
@@ -102,7 +106,10 @@ fn look_up_stands_for_the_nested_march() {
     }
     let n = f64::from(count);
     let (ratio, rmse, mean) = (looked_up / nested, (squares / n).sqrt(), nested / n);
-    println!("{count} rays: mean luminance {mean:.5} by nested marches, look-up {ratio:.4} of it, RMSE {rmse:.5} ({:.1} %)", 100.0 * rmse / mean);
+    println!(
+        "{count} rays: mean luminance {mean:.5} by nested marches, look-up {ratio:.4} of it, RMSE {rmse:.5} ({:.1} %)",
+        100.0 * rmse / mean
+    );
     assert!(count > 300 && mean > 0.005);
-    assert!((ratio - 1.0).abs() < 0.05 && rmse < 0.15 * mean, "{ratio} {rmse}");
+    assert!((ratio - 1.0).abs() < 0.06 && rmse < 0.12 * mean, "{ratio} {rmse}");
 }

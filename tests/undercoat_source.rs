@@ -16,14 +16,17 @@ use worlds::ball;
 #[test]
 fn source_and_skin_agree_with_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    let lit = Lit::new(gpu, ball(|s| {
-        // Two key lights and two that are summed.
-        s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
-        s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
-        s.undercoat.specular = 0.4;
-        s.undercoat.lean = 0.5;
-        s.guard.comb_direction = [1.0, 0.0, 0.0];
-    }));
+    let lit = Lit::new(
+        gpu,
+        ball(|s| {
+            // Two key lights and two that are summed.
+            s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
+            s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
+            s.undercoat.specular = 0.4;
+            s.undercoat.lean = 0.5;
+            s.guard.comb_direction = [1.0, 0.0, 0.0];
+        }),
+    );
     let fur = &lit.fixture.fur;
     let light = lit.lattice();
     let source: Vec<[u32; 4]> = lit.fixture.read("source", lit.nodes());
@@ -46,7 +49,10 @@ fn source_and_skin_agree_with_the_twin() {
         let wanted = light.base_light(column, &lit.place(column, 0));
         let [r, g] = halves(base[column as usize][0]);
         let found = glam::Vec3::new(r, g, halves(base[column as usize][1])[0]);
-        assert!((found - wanted).abs().max_element() < 1e-3 * (1.0 + wanted.max_element()), "column {column}: {found} {wanted}");
+        assert!(
+            (found - wanted).abs().max_element() < 1e-3 * (1.0 + wanted.max_element()),
+            "column {column}: {found} {wanted}"
+        );
     }
     println!("brightest ambient 2^{brightest:.2}, largest difference of logarithms {worst:.4}");
     assert!(brightest > -6.0, "nothing is lit by the lights that are summed");

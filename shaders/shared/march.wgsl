@@ -13,8 +13,11 @@ struct March {
     radiance: vec3f,  // source radiance of the current step
     ray: vec3f,
     view: vec3f,      // unit, to the eye
-    lost: u32,
+    lost: u32,        // steps whose place was not found
 }
+
+// Steps that a ray may take on where its place is not found: where the shell folds the prisms overlap, and hops run in circles.
+const LOST_LIMIT: u32 = 64u;
 
 fn begin_ray(m: ptr<function, March>, ray: vec3f) {
     (*m).marching = false;
@@ -67,6 +70,8 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
     (*m).dz = fur.step / (*m).speed;
     let z_mid = (*m).z + 0.5 * dz;
+    let before = (*place).prism;
+    let t_before = (*place).t;
     let found = locate(place, frame.eye + z_mid * (*m).ray, (*m).ray, 2u);
     let t = (*place).t;
     let slope = (*place).dt_dz;
@@ -84,6 +89,16 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     (*place).t = clamp(t, 0.0, 1.0);
     let medium = medium_at(place);
     let source_density = source_radiance(place, medium, (*m).view);
-    (*m).sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
-    (*m).radiance = source_density.rgb;
+    let lost = found == LOST && (*m).lost < LOST_LIMIT;
+    let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
+    // Lost: the step before goes on.
+    (*m).sigma = select(sigma, (*m).sigma, lost);
+    (*m).radiance = select(source_density.rgb, (*m).radiance, lost);
+    if lost {
+        (*m).marching = true;
+        (*m).last = false;
+        (*m).z_end = (*m).z + dz;
+        (*place).prism = before;
+        (*place).t = t_before;
+    }
 }

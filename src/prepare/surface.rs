@@ -81,7 +81,13 @@ fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
                 sums[*v as usize] += sum;
             }
         }
-        normals = sums.iter().zip(&normals).map(|(n, old)| n.try_normalize().unwrap_or(*old)).collect();
+        // Over a thin ear the two sides would cancel: no normal strays far from its own surface.
+        normals = (0..normals.len())
+            .map(|i| match sums[i].try_normalize() {
+                Some(n) if n.dot(skin.normals[i]) > 0.6 => n,
+                _ => normals[i],
+            })
+            .collect();
     }
     normals
 }

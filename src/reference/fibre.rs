@@ -133,7 +133,7 @@ mod tests {
         for i in 0..500 {
             let [a, b, c, d] = [0, 1, 2, 3].map(|k| f64::from(crate::reference::hash::random(i, k)));
             let (l, v) =
-                (direction(1.4 * (2.0 * a - 1.0), 6.28 * b), direction(1.4 * (2.0 * c - 1.0), 6.28 * d));
+                (direction(1.4 * (2.0 * a - 1.0), 6.2 * b), direction(1.4 * (2.0 * c - 1.0), 6.2 * d));
             let there = scatter(&fibre, Vec3::X, l, v, tint, 0.6) / (1.0 - l.x * l.x).sqrt();
             let back = scatter(&fibre, Vec3::X, v, l, tint, 0.6) / (1.0 - v.x * v.x).sqrt();
             assert!(

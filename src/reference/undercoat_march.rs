@@ -148,7 +148,13 @@ pub struct Fragment {
 
 /// Fragments of a ray with its entries (depth, prism) in order, before the skin at `z_base`: one an entry, or of equal opacity where
 /// `fur.virtual_fragments` asks for them. What two entries share is counted for the first.
-pub fn fragments(scenery: &Scenery<'_>, ray: Vec3, phase: f32, entries: &[(f32, u32)], z_base: f32) -> Vec<Fragment> {
+pub fn fragments(
+    scenery: &Scenery<'_>,
+    ray: Vec3,
+    phase: f32,
+    entries: &[(f32, u32)],
+    z_base: f32,
+) -> Vec<Fragment> {
     let fur = scenery.undercoat.fur;
     let mut made = Vec::new();
     let mut consumed = 0f32;
@@ -198,7 +204,8 @@ fn split(pieces: &[(f32, f32, f32, Vec3)], n: u32) -> Vec<Fragment> {
     for k in 0..n {
         let through = |j: f32| -(1.0 - j / n as f32).ln();
         // Optical depth of this fragment, and to its middle.
-        let (depth, middle) = (through(k as f32 + 1.0) - through(k as f32), through(k as f32 + 0.5) - through(k as f32));
+        let (depth, middle) =
+            (through(k as f32 + 1.0) - through(k as f32), through(k as f32 + 0.5) - through(k as f32));
         let mut taken = Vec::new();
         let mut sum = 0f32;
         let mut z_middle = None;

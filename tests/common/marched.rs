@@ -5,8 +5,8 @@
 use crate::gpu::{Fixture, Tile};
 use glam::Vec4;
 use pelage::World;
-use pelage::gpu::{Buffer, Gpu, Recorder};
 use pelage::gpu::recorder::Timings;
+use pelage::gpu::{Buffer, Gpu, Recorder};
 use pelage::reference::base_raster;
 use pelage::reference::film::{Sample, unpack};
 use pelage::reference::resolve::{Base, Node};
@@ -39,10 +39,8 @@ impl Marched {
         } else {
             Vec::new()
         };
-        let more = vec![
-            gpu.storage("samples", 7, samples * 32).unwrap(),
-            gpu.storage("lost_rays", 7, 16).unwrap(),
-        ];
+        let more =
+            vec![gpu.storage("samples", 7, samples * 32).unwrap(), gpu.storage("lost_rays", 7, 16).unwrap()];
         let made = Self { fixture, tile, source, cells, more };
         made.tile.draw_base(&made.fixture);
         made.tile.draw_entries(&made.fixture);
@@ -80,7 +78,9 @@ impl Marched {
 
     /// Step 5's march.
     pub fn march(&self) {
-        self.run(|r, scope| self.fixture.prepared.passes.undercoat_march.record(r, scope, self.samples()).unwrap());
+        self.run(|r, scope| {
+            self.fixture.prepared.passes.undercoat_march.record(r, scope, self.samples()).unwrap()
+        });
     }
 
     /// Step 6, all strands.
@@ -98,8 +98,11 @@ impl Marched {
 
     /// Step 7.
     pub fn resolve(&self, exact: bool) -> Vec<Sample> {
-        self.run(|r, scope| self.fixture.prepared.passes.resolve.record(r, scope, self.samples(), exact).unwrap());
-        let words: Vec<[u32; 8]> = self.fixture.prepared.gpu.read(&self.more[0], self.samples() * 32).unwrap();
+        self.run(|r, scope| {
+            self.fixture.prepared.passes.resolve.record(r, scope, self.samples(), exact).unwrap()
+        });
+        let words: Vec<[u32; 8]> =
+            self.fixture.prepared.gpu.read(&self.more[0], self.samples() * 32).unwrap();
         words.into_iter().map(unpack).collect()
     }
 
@@ -112,7 +115,11 @@ impl Marched {
     /// The fragments of each sample, sorted.
     pub fn nodes(&self) -> Vec<Vec<Node>> {
         let node = |n: &crate::gpu::Node| Node { z: n.z, source: n.source, color: Vec4::from(n.color) };
-        self.tile.lists(self.fixture.prepared.gpu).iter().map(|list| list.iter().map(node).collect()).collect()
+        self.tile
+            .lists(self.fixture.prepared.gpu)
+            .iter()
+            .map(|list| list.iter().map(node).collect())
+            .collect()
     }
 
     /// The skin under each sample.

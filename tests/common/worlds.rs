@@ -31,11 +31,11 @@ pub fn square(edit: impl FnOnce(&mut Scene)) -> World {
 
 /// Short fur without a skin of its own: `edit` names the mesh.
 pub fn world(edit: impl FnOnce(&mut Scene)) -> World {
-    let mut scene = Scene::default();
-    scene.lights = vec![
+    let lights = vec![
         DirectionalLight { direction: [0.5, 0.8, 0.4], irradiance: [3.0, 2.8, 2.5] },
         DirectionalLight { direction: [-0.8, 0.1, 0.3], irradiance: [0.7, 0.9, 1.2] },
     ];
+    let mut scene = Scene { lights, ..Default::default() };
     scene.film.width = 96;
     scene.film.height = 64;
     scene.film.spp = 4;
