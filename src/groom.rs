@@ -44,12 +44,18 @@ pub fn has_undercoat(scene: &Scene) -> bool {
 /// Packs the groom of `world`.
 pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
-    let mut maps = MapPacker { maps: &world.maps, texels: Vec::new(), bases: Vec::new(), uv: world.skin.corner_uv.is_some() };
+    let mut maps = MapPacker {
+        maps: &world.maps,
+        texels: Vec::new(),
+        bases: Vec::new(),
+        uv: world.skin.corner_uv.is_some(),
+    };
     let guard = &scene.guard;
     let coat = &scene.undercoat;
     let no_coat = !has_undercoat(scene);
     // Without undercoat the shell still carries the light lattice of the guard hairs.
-    let shell_height = if no_coat { Scalar::Constant(0.5 * guard.length.max().max(0.02)) } else { coat.height.clone() };
+    let shell_height =
+        if no_coat { Scalar::Constant(0.5 * guard.length.max().max(0.02)) } else { coat.height.clone() };
     let parameters = [
         maps.scalar(&guard.density),
         maps.scalar(&guard.length),
@@ -149,7 +155,14 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         padding: [0.0; 3],
     };
     let (fur, lights) = pack_lights(world, fur);
-    Ok(PackedGroom { groom, texels: maps.finish(), fur, fibre, noise: noise_tables(scene.render.seed), lights })
+    Ok(PackedGroom {
+        groom,
+        texels: maps.finish(),
+        fur,
+        fibre,
+        noise: noise_tables(scene.render.seed),
+        lights,
+    })
 }
 
 /// Lights, and the two brightest of the undercoat's as key lights.
@@ -233,7 +246,8 @@ impl MapPacker<'_> {
         let base = known.unwrap_or_else(|| {
             let base = self.texels.len() as u32;
             let half = |a: f32, b: f32| {
-                u32::from(half::f16::from_f32(a).to_bits()) | (u32::from(half::f16::from_f32(b).to_bits()) << 16)
+                u32::from(half::f16::from_f32(a).to_bits())
+                    | (u32::from(half::f16::from_f32(b).to_bits()) << 16)
             };
             self.texels.extend(image.texels.iter().map(|t| [half(t[0], t[1]), half(t[2], t[3])]));
             self.bases.push((index, base));
@@ -276,7 +290,12 @@ impl MapPacker<'_> {
     }
 }
 
-fn parameter(value: [f32; 4], (source, texel_base, size): (u32, u32, [u32; 2]), offset: f32, channel: u32) -> Parameter {
+fn parameter(
+    value: [f32; 4],
+    (source, texel_base, size): (u32, u32, [u32; 2]),
+    offset: f32,
+    channel: u32,
+) -> Parameter {
     Parameter { value, source, texel_base, size, offset, channel, padding: [0; 2] }
 }
 

@@ -235,8 +235,10 @@ impl<'g> Prepared<'g> {
         let base_light = gpu.storage("base_light", 2, u64::from(self.fur.columns) * 8)?;
         {
             let mut recorder = Recorder::new(gpu);
-            let scope =
-                self.scope().with(&[&extinction, &tau, &source, &base_light]).with(&tree.iter().collect::<Vec<_>>());
+            let scope = self
+                .scope()
+                .with(&[&extinction, &tau, &source, &base_light])
+                .with(&tree.iter().collect::<Vec<_>>());
             self.passes.light_occlusion.record(&mut recorder, &scope, self.fur.columns)?;
             let _sweeps = self.passes.undercoat_light.record(
                 gpu,
@@ -278,7 +280,13 @@ impl<'g> Prepared<'g> {
         for (triangle, count) in counts.iter().enumerate() {
             let fits = batches.last().is_some_and(|b| b.strands + u64::from(*count) <= most);
             if !fits {
-                batches.push(RootBatch { first: triangle as u32, counts: Vec::new(), strands: 0, density, seed });
+                batches.push(RootBatch {
+                    first: triangle as u32,
+                    counts: Vec::new(),
+                    strands: 0,
+                    density,
+                    seed,
+                });
             }
             if let Some(last) = batches.last_mut() {
                 last.counts.push(*count);

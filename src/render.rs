@@ -7,8 +7,8 @@ mod tile;
 pub use strands::strands;
 pub use tile::FRAGMENT_BYTES;
 
-use crate::gpu::recorder::Timings;
 use crate::gpu::Gpu;
+use crate::gpu::recorder::Timings;
 use crate::prepare::Prepared;
 use crate::scene::Blend;
 use crate::stats::{PassTime, Stats, Step};

@@ -10,8 +10,7 @@ fn wgsl_structs() -> BTreeMap<String, (u32, Vec<(String, u32)>)> {
         let (_, module, _) = shader::validate(name).unwrap();
         for (_, ty) in module.types.iter() {
             if let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) {
-                let fields =
-                    members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
+                let fields = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
                 found.insert(name.clone(), (*span, fields));
             }
         }
@@ -29,8 +28,7 @@ fn structs_agree_with_wgsl() {
             .filter(|(f, _)| *f != "padding")
             .map(|(f, o)| ((*f).to_owned(), *o as u32))
             .collect();
-        let members: Vec<(String, u32)> =
-            members.iter().filter(|(f, _)| f != "padding").cloned().collect();
+        let members: Vec<(String, u32)> = members.iter().filter(|(f, _)| f != "padding").cloned().collect();
         assert_eq!(rust, members, "{name}");
         assert_eq!(*size as u32, *span, "size of {name}");
     }

@@ -83,7 +83,8 @@ pub(super) fn select() -> Result<wgpu::Adapter> {
         wgpu::DeviceType::Cpu => 3,
         wgpu::DeviceType::Other => 4,
     };
-    let lacking: Vec<String> = adapters.iter().filter_map(|a| limits_for(a).err()).map(|e| e.to_string()).collect();
+    let lacking: Vec<String> =
+        adapters.iter().filter_map(|a| limits_for(a).err()).map(|e| e.to_string()).collect();
     adapters
         .into_iter()
         .filter(|a| limits_for(a).is_ok())
@@ -96,7 +97,11 @@ pub(super) fn limits_for(adapter: &wgpu::Adapter) -> Result<wgpu::Limits> {
     let has = adapter.limits();
     let needs = wgpu::Limits::default();
     let checks = [
-        ("storage buffers a shader stage", u64::from(needs.max_storage_buffers_per_shader_stage), u64::from(has.max_storage_buffers_per_shader_stage)),
+        (
+            "storage buffers a shader stage",
+            u64::from(needs.max_storage_buffers_per_shader_stage),
+            u64::from(has.max_storage_buffers_per_shader_stage),
+        ),
         ("bytes of a storage binding", 128 << 20, has.max_storage_buffer_binding_size),
         ("invocations a workgroup", 64, u64::from(has.max_compute_invocations_per_workgroup)),
         ("workgroups a dimension", 65_535, u64::from(has.max_compute_workgroups_per_dimension)),

@@ -83,18 +83,32 @@ impl Interface {
         }
         let storage = bindings
             .iter()
-            .filter(|b| matches!(b.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { .. }, .. }))
+            .filter(|b| {
+                matches!(b.ty, wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Storage { .. }, .. })
+            })
             .count();
         if storage > gpu.limits.max_storage_buffers_per_shader_stage as usize {
-            return Err(Error::gpu(stem, format!("{entries:?} use {storage} storage buffers, the adapter has room for {}", gpu.limits.max_storage_buffers_per_shader_stage)));
+            return Err(Error::gpu(
+                stem,
+                format!(
+                    "{entries:?} use {storage} storage buffers, the adapter has room for {}",
+                    gpu.limits.max_storage_buffers_per_shader_stage
+                ),
+            ));
         }
         let entries: Vec<wgpu::BindGroupLayoutEntry> = bindings
             .iter()
-            .map(|b| wgpu::BindGroupLayoutEntry { binding: b.index, visibility: b.stages, ty: b.ty, count: None })
+            .map(|b| wgpu::BindGroupLayoutEntry {
+                binding: b.index,
+                visibility: b.stages,
+                ty: b.ty,
+                count: None,
+            })
             .collect();
-        let layout = gpu
-            .device
-            .create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor { label: Some(stem), entries: &entries });
+        let layout = gpu.device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some(stem),
+            entries: &entries,
+        });
         Ok(Self { stem: stem.into(), bindings, layout })
     }
 
@@ -128,9 +142,9 @@ fn binding_type(
     let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
     Ok(match variable.space {
         AddressSpace::Uniform => buffer(wgpu::BufferBindingType::Uniform),
-        AddressSpace::Storage { access } => buffer(wgpu::BufferBindingType::Storage {
-            read_only: !access.contains(StorageAccess::STORE),
-        }),
+        AddressSpace::Storage { access } => {
+            buffer(wgpu::BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) })
+        }
         AddressSpace::Handle => match module.types[variable.ty].inner {
             TypeInner::Image { class: ImageClass::Sampled { kind: ScalarKind::Uint, .. }, .. } => {
                 wgpu::BindingType::Texture {
@@ -139,17 +153,19 @@ fn binding_type(
                     multisampled: false,
                 }
             }
-            ref other => return Err(Error::gpu(stem, format!("binding {:?} has an unsupported type {other:?}", variable.name))),
+            ref other => {
+                return Err(Error::gpu(
+                    stem,
+                    format!("binding {:?} has an unsupported type {other:?}", variable.name),
+                ));
+            }
         },
         space => return Err(Error::gpu(stem, format!("binding {:?} lies in {space:?}", variable.name))),
     })
 }
 
 /// Compiles a module, with naga's faults mapped to file and line.
-fn compile(
-    gpu: &Gpu,
-    stem: &str,
-) -> Result<(wgpu::ShaderModule, naga::Module, naga::valid::ModuleInfo)> {
+fn compile(gpu: &Gpu, stem: &str) -> Result<(wgpu::ShaderModule, naga::Module, naga::valid::ModuleInfo)> {
     let (resolved, module, info) = shader::validate(stem)?;
     let compiled = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
         label: Some(stem),
@@ -182,7 +198,12 @@ impl Kernel {
     ///
     /// # Errors
     /// As [`Kernel::new`].
-    pub fn specialised(gpu: &Gpu, stem: &'static str, entry: &str, constants: &[(&str, f64)]) -> Result<Self> {
+    pub fn specialised(
+        gpu: &Gpu,
+        stem: &'static str,
+        entry: &str,
+        constants: &[(&str, f64)],
+    ) -> Result<Self> {
         let (compiled, module, info) = compile(gpu, stem)?;
         if !module.entry_points.iter().any(|e| e.name == entry) {
             let known: Vec<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
@@ -288,7 +309,11 @@ impl RasterKernel {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(solid),
                 // Depth is reversed: nearer is greater.
-                depth_compare: Some(if solid { wgpu::CompareFunction::Greater } else { wgpu::CompareFunction::Always }),
+                depth_compare: Some(if solid {
+                    wgpu::CompareFunction::Greater
+                } else {
+                    wgpu::CompareFunction::Always
+                }),
                 stencil: Default::default(),
                 bias: Default::default(),
             }),

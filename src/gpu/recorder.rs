@@ -98,15 +98,19 @@ impl<'g> Recorder<'g> {
         let y = groups.div_ceil(limit);
         let x = groups.div_ceil(y);
         if y > limit || invocations > u64::from(u32::MAX) {
-            return Err(Error::gpu(kernel.stem, format!("{invocations} invocations are too many for one dispatch")));
+            return Err(Error::gpu(
+                kernel.stem,
+                format!("{invocations} invocations are too many for one dispatch"),
+            ));
         }
         let bind_group = kernel.bind(self.gpu, scope)?;
         let stamp = self.stamp(&kernel.label);
-        let writes = stamp.zip(self.queries.as_ref()).map(|((a, b), (set, _))| wgpu::ComputePassTimestampWrites {
-            query_set: set,
-            beginning_of_pass_write_index: Some(a),
-            end_of_pass_write_index: Some(b),
-        });
+        let writes =
+            stamp.zip(self.queries.as_ref()).map(|((a, b), (set, _))| wgpu::ComputePassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(a),
+                end_of_pass_write_index: Some(b),
+            });
         let mut pass = self.encoder.begin_compute_pass(&wgpu::ComputePassDescriptor {
             label: Some(&kernel.label),
             timestamp_writes: writes,
@@ -131,16 +135,20 @@ impl<'g> Recorder<'g> {
     ) -> Result<()> {
         let bind_group = kernel.bind(self.gpu, scope)?;
         let stamp = self.stamp(&kernel.label);
-        let writes = stamp.zip(self.queries.as_ref()).map(|((a, b), (set, _))| wgpu::RenderPassTimestampWrites {
-            query_set: set,
-            beginning_of_pass_write_index: Some(a),
-            end_of_pass_write_index: Some(b),
-        });
+        let writes =
+            stamp.zip(self.queries.as_ref()).map(|((a, b), (set, _))| wgpu::RenderPassTimestampWrites {
+                query_set: set,
+                beginning_of_pass_write_index: Some(a),
+                end_of_pass_write_index: Some(b),
+            });
         let ids = [Some(wgpu::RenderPassColorAttachment {
             view: targets.ids,
             depth_slice: None,
             resolve_target: None,
-            ops: wgpu::Operations { load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT), store: wgpu::StoreOp::Store },
+            ops: wgpu::Operations {
+                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                store: wgpu::StoreOp::Store,
+            },
         })];
         let solid = kernel.target == Target::TriangleIds;
         let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
@@ -148,7 +156,10 @@ impl<'g> Recorder<'g> {
             color_attachments: if solid { &ids } else { &[] },
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: targets.depth,
-                depth_ops: Some(wgpu::Operations { load: wgpu::LoadOp::Clear(0.0), store: wgpu::StoreOp::Discard }),
+                depth_ops: Some(wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(0.0),
+                    store: wgpu::StoreOp::Discard,
+                }),
                 stencil_ops: None,
             }),
             timestamp_writes: writes,

@@ -10,13 +10,54 @@ macro_rules! sources {
 }
 
 sources![
-    "base_raster", "edge_table", "film", "guard_bins", "guard_raster", "guard_shade", "guard_splat", "guard_strands",
-    "hair_roots", "light_occlusion", "resolve", "shell_entry", "shell_lattice", "shell_prisms", "undercoat_density",
-    "undercoat_light", "undercoat_march", "undercoat_source",
-    "shared/base", "shared/clumps", "shared/column", "shared/column_place", "shared/coverage", "shared/fibre", "shared/frame", "shared/groom", "shared/groom_types", "shared/index",
-    "shared/lattice", "shared/lights", "shared/march", "shared/noise", "shared/octahedral", "shared/oit", "shared/oit_read",
-    "shared/oit_write", "shared/phase", "shared/random", "shared/record", "shared/root_types", "shared/roots", "shared/shell",
-    "shared/shell_types", "shared/strands", "shared/undercoat", "shared/undercoat_types", "shared/uv_in_cells", "shared/volume",
+    "base_raster",
+    "edge_table",
+    "film",
+    "guard_bins",
+    "guard_raster",
+    "guard_shade",
+    "guard_splat",
+    "guard_strands",
+    "hair_roots",
+    "light_occlusion",
+    "resolve",
+    "shell_entry",
+    "shell_lattice",
+    "shell_prisms",
+    "undercoat_density",
+    "undercoat_light",
+    "undercoat_march",
+    "undercoat_source",
+    "shared/base",
+    "shared/clumps",
+    "shared/column",
+    "shared/column_place",
+    "shared/coverage",
+    "shared/fibre",
+    "shared/frame",
+    "shared/groom",
+    "shared/groom_types",
+    "shared/index",
+    "shared/lattice",
+    "shared/lights",
+    "shared/march",
+    "shared/noise",
+    "shared/octahedral",
+    "shared/oit",
+    "shared/oit_read",
+    "shared/oit_write",
+    "shared/phase",
+    "shared/random",
+    "shared/record",
+    "shared/root_types",
+    "shared/roots",
+    "shared/shell",
+    "shared/shell_types",
+    "shared/strands",
+    "shared/undercoat",
+    "shared/undercoat_types",
+    "shared/uv_in_cells",
+    "shared/volume",
 ];
 
 /// A shader with its imports, and for each line where it came from.
@@ -78,11 +119,14 @@ pub fn validate(name: &str) -> Result<(Resolved, naga::Module, naga::valid::Modu
         let line = e.location(&resolved.text).map_or(0, |l| l.line_number as usize);
         Error::gpu(name, format!("{}: {}", resolved.origin(line), e.message()))
     })?;
-    let info = naga::valid::Validator::new(naga::valid::ValidationFlags::all(), naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32)
-        .validate(&module)
-        .map_err(|e| {
-            let line = e.location(&resolved.text).map_or(0, |l| l.line_number as usize);
-            Error::gpu(name, format!("{}: {}", resolved.origin(line), e.emit_to_string(&resolved.text)))
-        })?;
+    let info = naga::valid::Validator::new(
+        naga::valid::ValidationFlags::all(),
+        naga::valid::Capabilities::SHADER_FLOAT16_IN_FLOAT32,
+    )
+    .validate(&module)
+    .map_err(|e| {
+        let line = e.location(&resolved.text).map_or(0, |l| l.line_number as usize);
+        Error::gpu(name, format!("{}: {}", resolved.origin(line), e.emit_to_string(&resolved.text)))
+    })?;
     Ok((resolved, module, info))
 }

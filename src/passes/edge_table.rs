@@ -25,7 +25,13 @@ impl EdgeTable {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing, [`crate::Error::OutOfMemory`] without room for the table.
-    pub fn record(&self, gpu: &Gpu, recorder: &mut Recorder<'_>, scope: &Scope<'_>, edges: u32) -> Result<[Buffer; 3]> {
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        edges: u32,
+    ) -> Result<[Buffer; 3]> {
         // At most half full, so that probes stay short.
         let slots_len = (2 * u64::from(edges)).next_power_of_two().max(16);
         let counts = gpu.uniform("counts", &[edges, slots_len as u32 - 1, 0, 0])?;

@@ -14,9 +14,7 @@ impl Film {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "film", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "film", "main")? })
     }
 
     /// Adds the samples of a tile to its `pixels`.

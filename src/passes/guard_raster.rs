@@ -14,16 +14,20 @@ impl GuardRaster {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "guard_raster", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "guard_raster", "main")? })
     }
 
     /// Adds the fragments of `strands` strands of a bin to `fragment_lists`.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing.
-    pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, strands: u32, segments: u32) -> Result<()> {
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        strands: u32,
+        segments: u32,
+    ) -> Result<()> {
         recorder.dispatch(&self.main, scope, u64::from(strands) * u64::from(segments))
     }
 }

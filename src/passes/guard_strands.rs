@@ -14,9 +14,7 @@ impl GuardStrands {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "guard_strands", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "guard_strands", "main")? })
     }
 
     /// Writes `strand_vertices` for `strands` of `roots`. In scope: the skin, `groom`, `map_texels`, `batch`.

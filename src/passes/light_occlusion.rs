@@ -14,9 +14,7 @@ impl LightOcclusion {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "light_occlusion", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "light_occlusion", "main")? })
     }
 
     /// Sets the `blocked` bits of `columns`.

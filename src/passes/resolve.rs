@@ -26,7 +26,13 @@ impl Resolve {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] if a binding is missing.
-    pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, samples: u64, exact: bool) -> Result<()> {
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        samples: u64,
+        exact: bool,
+    ) -> Result<()> {
         recorder.dispatch(if exact { &self.exact } else { &self.stored }, scope, samples)
     }
 }

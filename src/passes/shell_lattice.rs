@@ -14,9 +14,7 @@ impl ShellLattice {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "shell_lattice", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "shell_lattice", "main")? })
     }
 
     /// Reads density factors and colours into `columns`.

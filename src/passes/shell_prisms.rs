@@ -45,7 +45,8 @@ impl ShellPrisms {
         recorder.dispatch(&self.fold, &scope.with(&[&tables[0]]), u64::from(triangles))?;
         for round in 0..SPREAD_ROUNDS {
             let [before, after] = if round % 2 == 0 { [0, 1] } else { [1, 0] };
-            let scope = scope.with(&[&tables[after]]).and("reach_before", Resource::Buffer(&tables[before].raw));
+            let scope =
+                scope.with(&[&tables[after]]).and("reach_before", Resource::Buffer(&tables[before].raw));
             recorder.dispatch(&self.spread, &scope, u64::from(triangles))?;
         }
         let scope = scope.with(&[&tables[SPREAD_ROUNDS % 2]]);

@@ -14,9 +14,7 @@ impl UndercoatLight {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "undercoat_light", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "undercoat_light", "main")? })
     }
 
     /// Fills `tau`, level by level from the top: `pairs` pairs of lights at each node of `columns` columns.
@@ -36,7 +34,11 @@ impl UndercoatLight {
             .rev()
             .map(|level| {
                 let sweep = gpu.uniform("sweep", &[level, 0, 0, 0])?;
-                recorder.dispatch(&self.main, &scope.with(&[&sweep]), u64::from(columns) * u64::from(pairs))?;
+                recorder.dispatch(
+                    &self.main,
+                    &scope.with(&[&sweep]),
+                    u64::from(columns) * u64::from(pairs),
+                )?;
                 Ok(sweep)
             })
             .collect()

@@ -15,9 +15,7 @@ impl UndercoatMarch {
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
         let constants = [("STORED", f64::from(u8::from(stored)))];
-        Ok(Self {
-            main: Kernel::specialised(gpu, "undercoat_march", "main", &constants)?,
-        })
+        Ok(Self { main: Kernel::specialised(gpu, "undercoat_march", "main", &constants)? })
     }
 
     /// Marches from the entries in `fragment_lists` and adds fragments to them.

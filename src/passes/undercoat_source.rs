@@ -14,9 +14,7 @@ impl UndercoatSource {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            main: Kernel::new(gpu, "undercoat_source", "main")?,
-        })
+        Ok(Self { main: Kernel::new(gpu, "undercoat_source", "main")? })
     }
 
     /// Fills `source` and `base_light`.

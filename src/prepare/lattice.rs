@@ -30,7 +30,8 @@ impl Lattice {
         let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(6, 20);
         let bytes = |edge: u32, levels: u32| {
             // Half an area of the grid's triangles for each of its points.
-            let columns = skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
+            let columns =
+                skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
             columns * u64::from(levels + 1) * u64::from((fur.lights + 2) / 2).max(4) * 4
         };
         while bytes(edge, levels) > room && edge > 1 {
@@ -47,9 +48,8 @@ impl Lattice {
         let n = self.edge;
         let v = skin.triangles[t];
         let vertices = skin.positions.len() as u32;
-        let on_edge = |edge: u32, a: u32, b: u32, k: u32| {
-            vertices + edge * (n - 1) + if a < b { k } else { n - k } - 1
-        };
+        let on_edge =
+            |edge: u32, a: u32, b: u32, k: u32| vertices + edge * (n - 1) + if a < b { k } else { n - k } - 1;
         let column = match (i, j) {
             (0, 0) => v[0],
             (i, _) if i == n => v[1],
@@ -69,7 +69,8 @@ impl Lattice {
     pub fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
         let n = self.edge;
         let inner = (n - 1) * n.saturating_sub(2) / 2;
-        let count = skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;
+        let count =
+            skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;
         let mut columns = vec![<Column as bytemuck::Zeroable>::zeroed(); count];
         for t in 0..skin.triangles.len() {
             let share = skin.triangle_area(t) / (n * n) as f32 / 3.0;

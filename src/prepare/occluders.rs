@@ -8,7 +8,7 @@ pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
     use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
     let triangles: Vec<Triangle> = (0..skin.triangles.len())
         .map(|t| {
-            let [v0, v1, v2] = skin.corners(t).map(|p| glam::Vec3A::from(p));
+            let [v0, v1, v2] = skin.corners(t).map(glam::Vec3A::from);
             Triangle { v0, v1, v2 }
         })
         .collect();

@@ -26,13 +26,13 @@ impl SamplePlan {
         let spp = scene.film.spp.max(1);
         let lens = scene.camera.lens.as_ref().filter(|l| l.method == LensMethod::Samples && l.aperture > 0.0);
         let radius = radius(scene);
-        let mut grid = (1..=8u32).rev().find(|k| spp % (k * k) == 0).unwrap_or(1);
+        let mut grid = (1..=8u32).rev().find(|k| spp.is_multiple_of(k * k)).unwrap_or(1);
         if lens.is_some() {
             // Each pass has one point on the lens: all samples become passes.
             grid = 1;
         }
         while grid > 1 && taps(radius, grid) > MAX_TAPS {
-            grid = (1..grid).rev().find(|k| spp % (k * k) == 0).unwrap_or(1);
+            grid = (1..grid).rev().find(|k| spp.is_multiple_of(k * k)).unwrap_or(1);
         }
         let count = spp / (grid * grid);
         let passes = (0..count)

@@ -65,7 +65,12 @@ impl<'a> Tiles<'a> {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if not even the smallest tile fits the budget.
-    pub fn new(prepared: &'a Prepared<'a>, world: &'a World, plan: &'a SamplePlan, aovs: bool) -> Result<Self> {
+    pub fn new(
+        prepared: &'a Prepared<'a>,
+        world: &'a World,
+        plan: &'a SamplePlan,
+        aovs: bool,
+    ) -> Result<Self> {
         let gpu = prepared.gpu;
         let scene = &world.scene;
         let planes = if aovs { 20 } else { 4 };
@@ -77,7 +82,9 @@ impl<'a> Tiles<'a> {
         // Bins, staging and pixels need some room too.
         let strands = match &prepared.resident {
             Some(_) => prepared.strands * 6,
-            None => prepared.strand_budget.min(prepared.strands * crate::prepare::strand_bytes(prepared.segments) + prepared.strands * 20),
+            None => prepared.strand_budget.min(
+                prepared.strands * crate::prepare::strand_bytes(prepared.segments) + prepared.strands * 20,
+            ),
         };
         let reserve = strands + (8 << 20);
         let room = budget.saturating_sub(used + reserve);
@@ -86,16 +93,23 @@ impl<'a> Tiles<'a> {
             return Err(Error::OutOfMemory { pass: "resolve".into(), needed: used + reserve + smallest });
         }
         let list_limit = gpu.binding_limit();
-        let most = (room / per_sample).min(list_limit / (4 + EXPECTED_FRAGMENTS * FRAGMENT_BYTES)).min(list_limit / 32);
+        let most = (room / per_sample)
+            .min(list_limit / (4 + EXPECTED_FRAGMENTS * FRAGMENT_BYTES))
+            .min(list_limit / 32);
         let most_edge = (most as f64).sqrt() as u32;
         let wanted = scene.render.tile.unwrap_or(2048).max(SMALLEST * plan.grid);
-        let samples_edge = most_edge.min(wanted + 2 * plan.reach).min(4096).min(gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32));
+        let samples_edge = most_edge
+            .min(wanted + 2 * plan.reach)
+            .min(4096)
+            .min(gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32));
         let edge = (samples_edge.saturating_sub(2 * plan.reach) / plan.grid).max(SMALLEST);
         // No larger than the film.
         let edge = edge.min(scene.film.width.max(scene.film.height));
-        let extent = [edge.min(scene.film.width), edge.min(scene.film.height)].map(|e| e * plan.grid + 2 * plan.reach);
+        let extent =
+            [edge.min(scene.film.width), edge.min(scene.film.height)].map(|e| e * plan.grid + 2 * plan.reach);
         let samples = u64::from(extent[0]) * u64::from(extent[1]);
-        let list_bytes = (room.saturating_sub(samples * (sample_bytes - 4))).min(list_limit).max(samples * 4 + 64);
+        let list_bytes =
+            (room.saturating_sub(samples * (sample_bytes - 4))).min(list_limit).max(samples * 4 + 64);
         // More than a few hundred fragments a sample are never needed.
         let list_bytes = list_bytes.min(samples * (4 + 400 * FRAGMENT_BYTES));
         let buffers = vec![
@@ -122,7 +136,18 @@ impl<'a> Tiles<'a> {
         let ids = texture(ID_FORMAT, U::RENDER_ATTACHMENT | U::TEXTURE_BINDING);
         let depth = texture(DEPTH_FORMAT, U::RENDER_ATTACHMENT);
         gpu.check("base_raster")?;
-        Ok(Self { prepared, world, plan, planes, edge, buffers, ids, depth, bins: None, stats: Stats::default() })
+        Ok(Self {
+            prepared,
+            world,
+            plan,
+            planes,
+            edge,
+            buffers,
+            ids,
+            depth,
+            bins: None,
+            stats: Stats::default(),
+        })
     }
 
     /// The tiles, row by row; only those that touch `crop` (x0 x1 y0 y1 in 0..1).
@@ -155,7 +180,8 @@ impl<'a> Tiles<'a> {
     fn frame(&self, pass: usize, origin: [i32; 2], size: [u32; 2]) -> Frame {
         let scene = &self.world.scene;
         let (jitter, lens) = self.plan.passes[pass];
-        let mut frame = camera::frame(&scene.camera, self.plan.film, lens, jitter, scene.render.seed ^ pass as u32);
+        let mut frame =
+            camera::frame(&scene.camera, self.plan.film, lens, jitter, scene.render.seed ^ pass as u32);
         frame.tile_origin = origin;
         frame.tile_size = size;
         frame
@@ -166,7 +192,8 @@ impl<'a> Tiles<'a> {
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn bin(&mut self, jobs: &[Job], timings: &mut Timings) -> Result<()> {
-        let Some(strands) = self.prepared.resident.as_ref().filter(|s| s.count > 0 && !jobs.is_empty()) else {
+        let Some(strands) = self.prepared.resident.as_ref().filter(|s| s.count > 0 && !jobs.is_empty())
+        else {
             return Ok(());
         };
         let gpu = self.prepared.gpu;
@@ -206,16 +233,21 @@ impl<'a> Tiles<'a> {
     /// Samples by which the lens can displace what is nearest or farthest of the fur.
     fn blur_margin(&self) -> f32 {
         let camera = &self.world.scene.camera;
-        let Some(lens) = camera.lens.as_ref().filter(|_| self.plan.passes.iter().any(|(_, l)| l.length() > 0.0)) else {
+        let Some(lens) =
+            camera.lens.as_ref().filter(|_| self.plan.passes.iter().any(|(_, l)| l.length() > 0.0))
+        else {
             return 0.0;
         };
         let frame = self.frame(0, [0, 0], self.plan.film);
         let (low, high) = self.world.skin.bounds();
         let forward = glam::Vec3::from(frame.forward);
-        let focus = lens.focus.unwrap_or((glam::Vec3::from(camera.target) - glam::Vec3::from(camera.eye)).length()).max(1e-3);
+        let focus = lens
+            .focus
+            .unwrap_or((glam::Vec3::from(camera.target) - glam::Vec3::from(camera.eye)).length())
+            .max(1e-3);
         let fur = self.world.scene.guard.length.max() + self.world.scene.undercoat.height.max();
         (0..8)
-            .map(|i| {
+            .flat_map(|i| {
                 let corner = glam::Vec3::new(
                     if i & 1 == 0 { low.x } else { high.x },
                     if i & 2 == 0 { low.y } else { high.y },
@@ -227,7 +259,6 @@ impl<'a> Tiles<'a> {
                     (1.0 / z - 1.0 / focus).abs() * lens.aperture * 0.5 * frame.film_size[1] / frame.tan_y
                 })
             })
-            .flatten()
             .fold(0.0, f32::max)
     }
 
@@ -247,7 +278,10 @@ impl<'a> Tiles<'a> {
         }
         self.stats.tiles_retried += 1;
         if job.size[0] <= SMALLEST && job.size[1] <= SMALLEST {
-            return Err(Error::OutOfMemory { pass: "resolve".into(), needed: outcome.fragments * FRAGMENT_BYTES });
+            return Err(Error::OutOfMemory {
+                pass: "resolve".into(),
+                needed: outcome.fragments * FRAGMENT_BYTES,
+            });
         }
         let half = job.size.map(|s| s.div_ceil(2).max(1));
         for y in [0, half[1]] {
@@ -351,7 +385,9 @@ impl<'a> Tiles<'a> {
         }
         let gpu = self.prepared.gpu;
         let guard = &self.world.scene.guard;
-        let longest = 1.3 * guard.length.max() + 2.0 * (guard.curl.max() + guard.frizz.max()) + guard.clump.max() / guard.clump_density.max(1e-6).sqrt();
+        let longest = 1.3 * guard.length.max()
+            + 2.0 * (guard.curl.max() + guard.frizz.max())
+            + guard.clump.max() / guard.clump_density.max(1e-6).sqrt();
         for batch in &self.prepared.batches {
             let roots = self.prepared.roots(batch, timings)?;
             let count = batch.strands as u32;
