@@ -17,20 +17,26 @@ fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)
 }
 
+/// Tries to find a height at which a prism has not turned over; the last one is taken as it is.
+const FOLD_STEPS: u32 = 16;
+
 /// The shell's top climbs no steeper than this over the skin.
 const STEEPEST: f32 = 0.8;
 
-/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a tenth
-/// of its area at the top, and around such places; of its own accord no prism goes below a fifth.
+/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a fifth
+/// of its area at the top, and around such places; a prism alone lowers its vertices to a twentieth at most.
 pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     let wanted: Vec<f32> =
         (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect();
     let mut heights = wanted.clone();
     for triangle in &skin.triangles {
-        let part = (0..9)
-            .map(|step| 1.0 - 0.1 * step as f32)
-            .find(|part| part_of_area(skin, normals, triangle, &wanted, *part) > 0.1)
-            .unwrap_or(1.0 - 0.1 * 8.0);
+        let mut part = 1.0;
+        for _ in 1..FOLD_STEPS {
+            if part_of_area(skin, normals, triangle, &wanted, part) > 0.2 {
+                break;
+            }
+            part *= 0.82;
+        }
         for v in triangle.map(|v| v as usize) {
             heights[v] = heights[v].min(part * wanted[v]);
         }
