@@ -131,7 +131,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         vertices: world.skin.positions.len() as u32,
         edges: 0,
         keys: 0,
-        opacity_cut: 0.0005,
+        opacity_cut: 0.001,
         virtual_fragments: match scene.render.blend {
             Blend::Virtual => scene.render.virtual_fragments.max(1),
             Blend::Simplified | Blend::Exact => 0,

@@ -117,7 +117,7 @@ impl Default for Undercoat {
             specular_exponent: 12.0,
             forward_scattering: 0.6,
             storage: Storage::Auto,
-            step: 0.5,
+            step: 0.9,
         }
     }
 }
