@@ -11,7 +11,7 @@ pub use kernel::{Kernel, RasterKernel, Resource, Scope};
 pub use memory::{Buffer, Ledger};
 pub use recorder::Recorder;
 
-use crate::passes::Passes;
+use crate::passes::{Passes, Variant};
 use crate::{Error, Result};
 use std::sync::{Arc, Mutex, OnceLock};
 
@@ -33,7 +33,7 @@ pub struct Gpu {
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
     /// With densities evaluated, and stored.
-    passes: [OnceLock<Arc<Passes>>; 2],
+    passes: [OnceLock<Arc<Passes>>; Variant::COUNT],
 }
 
 /// What the device reported outside any error scope.
@@ -98,12 +98,12 @@ impl Gpu {
     ///
     /// # Errors
     /// [`Error::Gpu`] with file and line of a fault in a shader.
-    pub fn passes(&self, stored: bool) -> Result<Arc<Passes>> {
-        let slot = &self.passes[usize::from(stored)];
+    pub fn passes(&self, variant: Variant) -> Result<Arc<Passes>> {
+        let slot = &self.passes[variant.index()];
         if let Some(passes) = slot.get() {
             return Ok(passes.clone());
         }
-        let made = Arc::new(Passes::new(self, stored)?);
+        let made = Arc::new(Passes::new(self, variant)?);
         Ok(slot.get_or_init(|| made).clone())
     }
 

@@ -32,6 +32,30 @@ pub mod undercoat_source;
 use crate::Result;
 use crate::gpu::Gpu;
 
+/// What the march is compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Variant {
+    /// Densities are stored, not evaluated.
+    pub stored: bool,
+    /// Key lights are followed by a march at every step, not looked up.
+    pub nested: bool,
+}
+
+impl Variant {
+    /// Number of variants.
+    pub const COUNT: usize = 4;
+
+    /// A number below [`Variant::COUNT`].
+    pub fn index(self) -> usize {
+        usize::from(self.stored) + 2 * usize::from(self.nested)
+    }
+
+    /// Values of the shaders' `override` constants.
+    fn constants(self) -> [(&'static str, f64); 2] {
+        [("STORED", f64::from(u8::from(self.stored))), ("NESTED", f64::from(u8::from(self.nested)))]
+    }
+}
+
 /// All passes, compiled.
 pub struct Passes {
     /// `base_raster`
@@ -73,11 +97,11 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles every kernel, for a volume that is `stored` or evaluated.
+    /// Compiles every kernel, for a variant of the march.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in a shader.
-    pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
             base_raster: base_raster::BaseRaster::new(gpu)?,
             edge_table: edge_table::EdgeTable::new(gpu)?,
@@ -89,13 +113,13 @@ impl Passes {
             guard_strands: guard_strands::GuardStrands::new(gpu)?,
             hair_roots: hair_roots::HairRoots::new(gpu)?,
             light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
-            resolve: resolve::Resolve::new(gpu, stored)?,
+            resolve: resolve::Resolve::new(gpu, variant)?,
             shell_entry: shell_entry::ShellEntry::new(gpu)?,
             shell_lattice: shell_lattice::ShellLattice::new(gpu)?,
             shell_prisms: shell_prisms::ShellPrisms::new(gpu)?,
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,
             undercoat_light: undercoat_light::UndercoatLight::new(gpu)?,
-            undercoat_march: undercoat_march::UndercoatMarch::new(gpu, stored)?,
+            undercoat_march: undercoat_march::UndercoatMarch::new(gpu, variant)?,
             undercoat_source: undercoat_source::UndercoatSource::new(gpu)?,
         })
     }

@@ -8,9 +8,9 @@ use crate::gpu::recorder::Timings;
 use crate::gpu::{Buffer, Gpu, Recorder, Scope};
 use crate::groom::{self, PackedGroom};
 use crate::layout::{Frame, Fur, Root};
-use crate::passes::Passes;
+use crate::passes::{Passes, Variant};
 use crate::passes::hair_roots::HairRoots;
-use crate::scene::Storage;
+use crate::scene::{LightLookup, Storage};
 use crate::skin::NONE;
 use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
@@ -110,7 +110,8 @@ impl<'g> Prepared<'g> {
             Storage::Evaluated => false,
         };
         fur.storage = u32::from(stored);
-        let passes = gpu.passes(stored)?;
+        let nested = world.scene.render.light == LightLookup::Nested;
+        let passes = gpu.passes(Variant { stored, nested })?;
         let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;

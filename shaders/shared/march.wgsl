@@ -39,8 +39,29 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
     (*m).dz = fur.step / (*m).speed * phase;
 }
 
+// Whether key lights are followed by a march of their own at every step, as in [Andersen2016] sec. 3.2, instead of looked up in the
+// lattice: the reference for it. It sees the undercoat alone.
+override NESTED: bool = false;
+
+fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
+    var place = *start;
+    var sum = 0.0;
+    for (var i = 0u; i < 400u; i++) {
+        let state = locate(&place, x + (f32(i) + 0.5) * fur.step * l, l, 2u);
+        if state != INSIDE || place.t > 1.0 || sum > 18.0 {
+            break;
+        }
+        if place.t < 0.0 {
+            sum = 18.0;
+            break;
+        }
+        sum += extinction(medium_at(&place), l) * fur.step;
+    }
+    return sum;
+}
+
 // In-scattered radiance per albedo-weighted extinction at the place.
-fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f {
+fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
     let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
     var tau = vec2f(0.0);
@@ -58,6 +79,9 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, view: vec3f) -> vec4f
     var sum = exp2(ambient.rgb);
     for (var j = 0u; j < fur.keys; j++) {
         let l = fur.key_direction[j].xyz;
+        if NESTED {
+            tau[j] = nested_tau(place, x, l) * ambient.a;
+        }
         let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
         sum += fur.key_irradiance[j].rgb * through * kajiya_kay(m.tangent, l, view);
     }
@@ -72,7 +96,8 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let z_mid = (*m).z + 0.5 * dz;
     let before = (*place).prism;
     let t_before = (*place).t;
-    let found = locate(place, frame.eye + z_mid * (*m).ray, (*m).ray, 2u);
+    let x = frame.eye + z_mid * (*m).ray;
+    let found = locate(place, x, (*m).ray, 2u);
     let t = (*place).t;
     let slope = (*place).dt_dz;
     let climbs = slope > 0.0;
@@ -88,7 +113,7 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     (*m).z_end = select((*m).z + dz, z_out, (*m).last);
     (*place).t = clamp(t, 0.0, 1.0);
     let medium = medium_at(place);
-    let source_density = source_radiance(place, medium, (*m).view);
+    let source_density = source_radiance(place, medium, x, (*m).view);
     let lost = found == LOST && (*m).lost < LOST_LIMIT;
     let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
     // Lost: the step before goes on.

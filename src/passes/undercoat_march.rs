@@ -1,5 +1,6 @@
 //! Step 5: shell and virtual fragments.
 
+use super::Variant;
 use crate::Result;
 use crate::gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -9,12 +10,12 @@ pub struct UndercoatMarch {
 }
 
 impl UndercoatMarch {
-    /// Compiles the kernels for a volume that is `stored` or evaluated.
+    /// Compiles the kernels of a variant of the march.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu, stored: bool) -> Result<Self> {
-        let constants = [("STORED", f64::from(u8::from(stored)))];
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        let constants = variant.constants();
         Ok(Self { main: Kernel::specialised(gpu, "undercoat_march", "main", &constants)? })
     }
 

@@ -147,6 +147,7 @@ impl Default for RenderSpec {
             virtual_fragments: 30,
             simplified_attenuation: 4.0,
             shading: Shading::Physical,
+            light: LightLookup::Lattice,
             seed: 0,
             tile: None,
             memory: 1 << 30,

@@ -96,6 +96,8 @@ pub struct RenderSpec {
     pub simplified_attenuation: f32,
     /// Light model.
     pub shading: Shading,
+    /// How the march learns what lies between it and a light.
+    pub light: LightLookup,
     /// Seed of everything random.
     pub seed: u32,
     /// Edge of a tile in samples; not given: chosen from the memory budget.
@@ -143,4 +145,15 @@ pub enum Shading {
     Physical,
     /// As in the paper: exponential root darkening, no environment light on the undercoat.
     Paper,
+}
+
+/// How the march learns what lies between it and a light.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum LightLookup {
+    /// From the light lattice, filled once.
+    #[default]
+    Lattice,
+    /// By a march towards each of the two brightest lights at every step; slow, the reference. Guard hairs cast no shadow then.
+    Nested,
 }
