@@ -11,9 +11,10 @@
 //!
 //! [`render::render`] opens an adapter ([`gpu`]) and packs the groom into the structs of the shaders ([`groom`],
 //! [`layout`]). [`prepare`] makes everything that does not depend on the view's tiles: the prism shell, the undercoat's
-//! densities, the strands, and the light that reaches them. Then each tile goes through the last passes ([`passes`]):
-//! the skin's nearest triangles, the rays' entries into the shell, the strands' fragments, and the resolve pass, which
-//! sorts the fragments of a sample and marches the undercoat between them. A filter makes pixels of samples.
+//! densities, the light lattice and, where they fit the memory budget, the shaded strands; else these are grown for each
+//! tile. Then each tile goes through the last passes ([`passes`]): the skin's nearest triangles, the rays' entries into
+//! the shell, the strands' fragments, and the resolve pass, which sorts the fragments of a sample and marches the
+//! undercoat between them. A filter makes pixels of samples.
 //!
 //! The pixels are a [`Film`](film::Film) of named planes, premultiplied. Depth of field and background change it;
 //! [`film::io`] writes it as EXR or PNG, whole or not at all ([`files`]). [`stats`] counts and times everything in the
@@ -68,6 +69,8 @@
 //! | [`groom`], [`layout`] | what the shaders are given |
 //! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
 //! | [`film`], [`files`], [`hair`], [`compare`] | pictures, files, strands for other programs, metrics |
+//! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
+//! | [`mod@bench`], [`figure`], [`provenance`] | the paper's Table 1 and figures, and where results came from |
 //! | [`stats`], [`error`], [`cli`] | counts and times, what can go wrong, the command |
 //!
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
