@@ -162,7 +162,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         }
     }
     if march.lost > 0u {
-        atomicAdd(&lost_rays[0], march.lost);
+        atomicAdd(&lost_rays[0], 1u);
     }
     finish(i, xy, &g);
 }

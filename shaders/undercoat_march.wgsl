@@ -134,6 +134,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         march.z = max(march.z, consumed);
     }
     if march.lost > 0u {
-        atomicAdd(&lost_rays[0], march.lost);
+        atomicAdd(&lost_rays[0], 1u);
     }
 }

@@ -37,7 +37,7 @@ pub struct Stats {
     pub fragments_max: u64,
     /// Fragments that found no place in the end: always 0, or the rendering fails.
     pub fragments_dropped: u64,
-    /// Steps of rays whose place in the shell was not found within the hop limit.
+    /// Rays that lost their place in the shell at some step (the hop limit was reached where it folds).
     pub rays_lost: u64,
     /// The budget.
     pub memory_budget_bytes: u64,

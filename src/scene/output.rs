@@ -143,7 +143,8 @@ pub enum Shading {
     /// Undercoat and guard hairs shadow themselves and each other.
     #[default]
     Physical,
-    /// As in the paper: exponential root darkening, no environment light on the undercoat.
+    /// As in the paper: exponential root darkening, no environment light on the undercoat, no forward scattering, extinction the
+    /// same in all directions.
     Paper,
 }
 
