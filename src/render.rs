@@ -140,7 +140,7 @@ impl Work {
         options.report(0.0, "shell_prisms");
         let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
         let prepared = Prepared::new(gpu, world, &view, &mut self.timings)?;
-        let mut tiles = tile::Tiles::new(&prepared, world, &plan, options.aovs)?;
+        let mut tiles = tile::Tiles::new(&prepared, world, &plan, options)?;
         let jobs = tiles.jobs(options.crop);
         tiles.bin(&jobs, &mut self.timings)?;
         if self.total != jobs.len() {
@@ -155,7 +155,14 @@ impl Work {
                 break;
             }
             options.report(self.done as f32 / self.total as f32, "resolve");
-            tiles.render(job, &mut self.film, &mut self.timings)?;
+            match tiles.render(job, &mut self.film, &mut self.timings) {
+                // A tile that is interrupted between its passes over the image is left out.
+                Err(Error::Interrupted) => {
+                    complete = false;
+                    break;
+                }
+                outcome => outcome?,
+            }
             self.done += 1;
             self.stats = tiles.stats.clone();
         }

@@ -1,6 +1,6 @@
 //! Steps 4 to 7, tile by tile. A tile whose fragments do not fit is cut into four and rendered again: nothing is dropped.
 
-use super::{marches_in_resolve, plan::SamplePlan};
+use super::{RenderOptions, marches_in_resolve, plan::SamplePlan};
 use crate::film::Film;
 use crate::gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use crate::gpu::recorder::{RASTER_MARGIN, RasterTargets, Timings};
@@ -11,6 +11,7 @@ use crate::prepare::{Prepared, Strands};
 use crate::stats::Stats;
 use crate::{Error, Result, World, camera};
 use bytemuck::Zeroable;
+use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bytes a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
 const SAMPLE_BYTES: u64 = 16 + 4 + 32 + 4 + 4;
@@ -40,6 +41,7 @@ pub struct Tiles<'a> {
     ids: wgpu::TextureView,
     depth: wgpu::TextureView,
     bins: Option<Bins>,
+    cancel: Option<&'a AtomicBool>,
     /// Counts so far.
     pub stats: Stats,
 }
@@ -69,11 +71,11 @@ impl<'a> Tiles<'a> {
         prepared: &'a Prepared<'a>,
         world: &'a World,
         plan: &'a SamplePlan,
-        aovs: bool,
+        options: &RenderOptions<'a>,
     ) -> Result<Self> {
         let gpu = prepared.gpu;
         let scene = &world.scene;
-        let planes = if aovs { 20 } else { 4 };
+        let planes = if options.aovs { 20 } else { 4 };
         let budget = scene.render.memory;
         let used = gpu.ledger.current();
         // A pixel is held twice while it is read back.
@@ -146,6 +148,7 @@ impl<'a> Tiles<'a> {
             ids,
             depth,
             bins: None,
+            cancel: options.cancel,
             stats: Stats::default(),
         })
     }
@@ -316,6 +319,9 @@ impl<'a> Tiles<'a> {
         let exact = marches_in_resolve(scene.render.blend);
         let (mut fragments, mut rays_lost, mut longest) = (0, 0, 0);
         for pass in 0..self.plan.passes.len() {
+            if self.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
+                return Err(Error::Interrupted);
+            }
             let mut frame = self.frame(pass, origin, size);
             frame.node_capacity = capacity.min(u64::from(u32::MAX >> 2)) as u32;
             let frame = gpu.uniform("frame", &frame)?;
