@@ -3,7 +3,7 @@
 #[path = "common/worlds.rs"]
 mod worlds;
 
-use pelage::scene::{Blend, Fur, Scene, Storage};
+use pelage::scene::{Blend, Fur, LightLookup, Scene, Storage};
 use pelage::stats::Stats;
 use worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 
@@ -157,6 +157,27 @@ fn stored_and_evaluated_densities_make_the_same_image() {
         !differing(&stored, &blended(Blend::Exact, 1, finer).0).is_empty(),
         "densities do not show at all"
     );
+}
+
+/// The light lattice stands for a march towards the light at every step: undercoat alone, for the nested march sees no guard hairs.
+#[test]
+fn lattice_stands_for_the_nested_march() {
+    let lit = |light: LightLookup, density: f32| {
+        let edit = move |s: &mut Scene| {
+            s.render.fur = Fur::Implicit;
+            s.render.light = light;
+            s.undercoat.density = density.into();
+        };
+        let film = blended(Blend::Exact, 1, edit).0;
+        RGB.iter().flat_map(|c| plane(&film, c)).map(|v| f64::from(*v)).sum::<f64>()
+    };
+    let nested = lit(LightLookup::Nested, 12_000.0);
+    let ratio = lit(LightLookup::Lattice, 12_000.0) / nested;
+    // The same comparison must notice light that passes through a fifth of the fur.
+    let thin = lit(LightLookup::Lattice, 2_400.0) / nested;
+    println!("light by the lattice against the nested march: {ratio:.4}; through thin fur: {thin:.4}");
+    assert!((ratio - 1.0).abs() < 0.06, "{ratio}");
+    assert!((thin - 1.0).abs() > 0.06, "{thin}");
 }
 
 #[test]
