@@ -98,18 +98,21 @@ pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f
     Ok((margin, normalised(&raw)))
 }
 
-/// Scales symmetric weights to integers that add up to 2^22, then to floats.
+/// Scales symmetric weights to integers that add up to 2^22, then to floats. None moves by more than two units.
 fn normalised(raw: &[f64]) -> Vec<f32> {
     const ONE: i64 = 1 << 22;
     let (count, sum) = (raw.len(), raw.iter().sum::<f64>());
     let mut parts: Vec<i64> = raw.iter().map(|w| (w / sum * ONE as f64).round() as i64).collect();
-    // Symmetric rounding leaves an even rest where there are two middle samples: half goes to each.
-    let rest = ONE - parts.iter().sum::<i64>();
-    if count % 2 == 1 {
-        parts[count / 2] += rest;
-    } else {
-        parts[count / 2] += rest / 2;
-        parts[count / 2 - 1] += rest / 2;
+    // The rest is at most half a unit for each weight: one unit apiece from the middle outwards, in pairs.
+    let mut rest = ONE - parts.iter().sum::<i64>();
+    let unit = rest.signum();
+    if rest % 2 != 0 {
+        parts[count / 2] += unit;
+        rest -= unit;
+    }
+    for i in (0..count / 2).rev().take((rest.abs() / 2) as usize) {
+        parts[i] += unit;
+        parts[count - 1 - i] += unit;
     }
     parts.iter().map(|p| *p as f32 / ONE as f32).collect()
 }
