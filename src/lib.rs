@@ -76,6 +76,7 @@
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
 
 pub mod assets;
+pub mod bake;
 pub mod bench;
 pub mod camera;
 pub mod cli;
@@ -87,6 +88,7 @@ pub mod film;
 pub mod gpu;
 pub mod groom;
 pub mod hair;
+pub mod lapped;
 pub mod layout;
 pub mod light;
 pub mod maps;

@@ -15,6 +15,7 @@ mod overrides;
 pub mod preset;
 mod rules;
 mod schema;
+mod shellfin;
 mod tree;
 
 pub use load::Override;

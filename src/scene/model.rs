@@ -4,6 +4,7 @@
 //! what the loader checks files against.
 
 pub use super::output::*;
+pub use super::shellfin::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -35,6 +36,12 @@ pub struct Scene {
     pub film: FilmSpec,
     /// What is rendered, how it is blended.
     pub render: RenderSpec,
+    /// Patches that cover the skin with a small texture.
+    pub lapped: LappedSpec,
+    /// Textures for shells and fins.
+    pub bake: BakeSpec,
+    /// How shells and fins are drawn.
+    pub shells: Shells,
 }
 
 /// A groom parameter: a constant, a vertex colour or an image map read at the root.

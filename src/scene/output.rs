@@ -121,6 +121,8 @@ pub enum Fur {
     /// All.
     #[default]
     Hybrid,
+    /// Shells and fins with baked textures: the real-time image of the same fur.
+    Shells,
 }
 
 /// How undercoat and guard hairs are blended.
