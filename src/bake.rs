@@ -1,8 +1,18 @@
 //! Textures of hair for shells and fins: made from a groom, a particle system or dots, and written for real-time clients.
 
+pub mod compress;
+mod io;
+pub mod ktx2;
+pub mod lod;
 mod manifest;
+pub mod memory;
+pub mod mips;
+mod png;
 
-pub use manifest::{LayerSummary, Manifest};
+pub use io::{Format, MANIFEST, WriteOptions, check, check_folder, load, load_manifest, write};
+pub use manifest::{
+    Content, FileEntry, LayerSummary, LodEntry, Manifest, ManifestFile, Texels, manifest_schema,
+};
 
 /// An image that wraps around: linear RGB, premultiplied by coverage, and coverage.
 #[derive(Debug, Clone, PartialEq, Default)]
