@@ -52,9 +52,6 @@ override MAPPED: bool = true; // colour or length come from an image or from ver
 // Coverage below which a fragment is left out and writes no depth.
 const LEAST_COVERAGE: f32 = 0.002;
 
-// Sine of the angle between a look along the hairs and the hairs as they spread.
-const LEAST_SINE: f32 = 0.3;
-
 struct SkinVarying {
     @builtin(position) clip: vec4f,
     @location(0) light: vec3f,
@@ -83,7 +80,8 @@ struct ShellVarying {
     @location(5) guard: vec3f,
     @location(6) skin_uv: vec2f,
     @location(7) color: vec3f,
-    @location(8) @interpolate(flat) row: u32,
+    @location(8) lean: vec3f,      // of what is not guard hair
+    @location(9) @interpolate(flat) row: u32,
 }
 
 struct Lit {
@@ -104,15 +102,26 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
     let lit = light_of(row_lights[at]);
     let skin = shell_vertices[corner.vertex];
     let tangent = octahedral_decode(unpack2x16snorm(bitcast<u32>(p.w)));
+    let lean = octahedral_decode(unpack2x16snorm(row_lights[at].w));
     return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent, lit.undercoat, lit.guard,
-        corner.skin_uv, unpack4x8unorm(skin.color).rgb, row);
+        corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row);
 }
 
-// Colour of coverage `whole` of which `guard` is guard hair, for a way `slant` times as long as that of the texture.
-fn lit_color(whole: vec4f, guard: vec4f, slant: f32, lit: Lit, tint: vec3f) -> vec4f {
-    let coverage = 1.0 - pow(max(1.0 - whole.a, 0.0), slant);
-    let color = max(whole.rgb - guard.rgb, vec3f(0.0)) * lit.undercoat + guard.rgb * lit.guard;
-    return vec4f(color * tint * (coverage / max(whole.a, 1e-4)), coverage);
+// Colour of coverage `whole` of which `guard` is guard hair.
+fn lit_color(whole: vec4f, guard: vec4f, lit: Lit) -> vec4f {
+    return vec4f(max(whole.rgb - guard.rgb, vec3f(0.0)) * lit.undercoat + guard.rgb * lit.guard, whole.a);
+}
+
+// The same for a way through the layer `slant` times as long as that of the texture. What is let through by the layer on the average is
+// taken to that power, whatever the texels: less covers evenly less, more is added as fog of the layer's mean colour.
+fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
+    let mean_through = 1.0 - min(row.coverage, 0.9999);
+    if slant <= 1.0 {
+        return color * ((1.0 - pow(mean_through, slant)) / max(row.coverage, 1e-6));
+    }
+    let more = (1.0 - color.a) * (1.0 - pow(mean_through, slant - 1.0));
+    let fog = mix(row.undercoat * lit.undercoat, row.guard * lit.guard, row.share);
+    return color + more * vec4f(fog, 1.0);
 }
 
 // The fine layer, or what lies between it and the coarser one; a row that the coarser level lacks fades out. [Lengyel2001] sec. 4.5
@@ -149,6 +158,12 @@ fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
     return 1.0 - shellfin.shadow_strength * clamp(more, 0.0, 1.0);
 }
 
+// Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
+fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
+    let c = dot(tangent, view);
+    return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
+}
+
 @fragment
 fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     let row = shell_rows[in.row];
@@ -168,15 +183,19 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     if SHADOW {
         tint *= shadow(in, n, row.fine);
     }
-    var slant = 1.0;
+    let lit = Lit(in.undercoat, in.guard);
+    var out = lit_color(whole, guard, lit);
     if shellfin.slanted == 1u {
         let view = normalize(frame.eye - in.position);
-        let c = dot(normalize(in.tangent), view);
-        // Hairs spread about their mean direction: seen along it they still hide something.
-        let sine = sqrt(max(0.0, 1.0 - c * c) + c * c * LEAST_SINE * LEAST_SINE);
-        slant = sine / max(abs(dot(n, view)), 0.08);
+        let facing = abs(dot(n, view));
+        let undercoat = spread_sine(normalize(in.lean), view, row.jitter);
+        let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
+        let slant = mix(undercoat, guard_hair, row.share) / max(facing, 0.08);
+        // Towards the silhouette a shell is seen from its edge, as a line: there the fins take over.
+        let edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
+        out = slanted_color(row, out, slant, lit) * edge;
     }
-    let out = lit_color(whole, guard, slant, Lit(in.undercoat, in.guard), tint);
+    out = vec4f(out.rgb * tint, out.a);
     if out.a < LEAST_COVERAGE || bald {
         discard;
     }
@@ -253,7 +272,10 @@ fn fin_fragment(in: FinVarying) -> @location(0) vec4f {
     if GUARD {
         guard = textureSample(fin, upright, in.uv, 1);
     }
-    let out = lit_color(whole, guard, 1.0, Lit(in.undercoat, in.guard), in.tint) * in.fade;
+    var out = lit_color(whole, guard, Lit(in.undercoat, in.guard));
+    // A fin stands for more fur than its texture shows.
+    let coverage = 1.0 - pow(max(1.0 - out.a, 0.0), shellfin.fin_slant);
+    out = vec4f(out.rgb * in.tint * coverage / max(out.a, 1e-4), coverage) * in.fade;
     if out.a < LEAST_COVERAGE {
         discard;
     }

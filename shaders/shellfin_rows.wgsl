@@ -26,7 +26,7 @@ struct LightingTable {
 @group(0) @binding(11) var<storage, read> shell_rows: array<ShellRow>;
 @group(0) @binding(12) var<storage, read> brushes: array<Brush>;
 @group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
-@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour
+@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
 
 #import shared/frame
 #import shared/index
@@ -66,7 +66,8 @@ fn hair(root: Root, s: f32) -> vec3f {
     let n = root.at.normal;
     var p = s * (n + root.lean);
     if shellfin.curved == 1u {
-        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur.
+        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur; heights
+        // grow evenly, for each layer of the texture stands for its own.
         let fall = vec3f(0.0, -groom.gravity, 0.0);
         let p1 = normalize(n + 0.5 * root.lean) / 3.0;
         var p2 = p1 + normalize(n + 0.9 * root.lean + 0.35 * fall) / 3.0;
@@ -74,7 +75,8 @@ fn hair(root: Root, s: f32) -> vec3f {
         p2 -= n * min(0.0, dot(p2, n));
         p3 -= n * min(0.0, dot(p3, n));
         let r = 1.0 - s;
-        p = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3) / max(dot(p3, n), 0.25);
+        let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3) / max(dot(p3, n), 0.25);
+        p = b + n * (s - dot(b, n));
     }
     // Forces bend the tips most. [Xbdev]
     p += shellfin.bend * s * s * s;
@@ -122,6 +124,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let view = normalize(frame.eye - x);
     var undercoat = vec3f(0.0);
     var guard = vec3f(0.0);
+    let height = dot(offset, n) / max(shell_vertices[v].height, 1e-4);
+    var lean = tangent;
+    if shellfin.curved == 1u {
+        lean = normalize(n + fur.lean * min(height, 1.0));
+    }
     if shellfin.lighting == 1u {
         for (var j = 0u; j < fur.lights; j++) {
             let l = lights.lights[j].direction;
@@ -131,8 +138,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         undercoat *= row.shade;
         guard = undercoat;
     } else {
-        let height = dot(offset, n) / max(shell_vertices[v].height, 1e-4);
-        let lean = normalize(n + fur.lean * min(height, 1.0));
         let side = normalize(cross(tangent, select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(tangent.x) > 0.7)));
         let other = cross(tangent, side);
         for (var j = 0u; j < fur.lights; j++) {
@@ -154,5 +159,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         guard /= max(row.guard, vec3f(1e-3));
     }
-    row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb), 0u);
+    row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
+        pack2x16snorm(octahedral_encode(lean)));
 }

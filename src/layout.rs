@@ -216,7 +216,8 @@ shared! {
         curved: u32,
         spread: f32,
         guard: u32,
-        padding: [u32; 2],
+        edge_fade: f32,
+        fin_slant: f32,
     }
     /// `shared/shellfin_types.wgsl`
     struct ShellRow {
@@ -227,7 +228,10 @@ shared! {
         undercoat: [f32; 3],
         shade: f32,
         guard: [f32; 3],
-        padding: u32,
+        jitter: f32,
+        coverage: f32,
+        share: f32,
+        padding: [u32; 2],
     }
     /// `shellfin_rows.wgsl`
     struct Brush {

@@ -27,6 +27,9 @@ use crate::{Error, Result, World, lapped};
 use bytemuck::Zeroable;
 use glam::Vec3;
 
+/// How far the direction of hairs strays that did not grow from the groom, tangent of the angle: seen along it they still hide something.
+const STRAY: f32 = 0.3;
+
 /// A fur as shells and fins on the GPU.
 pub struct Shellfins<'g> {
     gpu: &'g Gpu,
@@ -146,6 +149,8 @@ impl<'g> Shellfins<'g> {
             curved: u32::from(hybrid),
             spread: scene.guard.spread.to_radians().tan(),
             guard: u32::from(!textures.guard.is_empty()),
+            edge_fade: f32::from(u8::from(shells.slanted && shells.fins)),
+            fin_slant: if shells.slanted { geometry::mean_edge(skin, &fin_edges) / (scene.bake.fin_slab * manifest.patch[0]) } else { 1.0 },
             ..Shellfin::zeroed()
         };
         let (low, high) = skin.bounds();
@@ -198,7 +203,7 @@ impl<'g> Shellfins<'g> {
         let shells = &self.world.scene.shells;
         let distance = (Vec3::from(frame.eye) - self.bounds.0).length() / self.bounds.1.max(1e-6);
         let drawn = if shells.shells { shells.layers.unwrap_or(self.layers).min(self.layers) } else { 0 };
-        let all = rows(shells, self.layers, drawn, distance, &self.means);
+        let all = rows(shells, self.layers, drawn, distance, &self.means, &|height| self.jitter(height));
         let count = all.len() as u32;
         let shellfin =
             Shellfin { bend: moment.bend.into(), shells: count - FIN_ROWS, ..self.base };
@@ -222,6 +227,17 @@ impl<'g> Shellfins<'g> {
             depth_write: shells.depth_write,
         };
         Ok(Rows { shellfin, rows: all, draws, buffers })
+    }
+
+    /// Variance of the direction of the hairs that are not guard hairs, an axis, at a row's height.
+    fn jitter(&self, height: f32) -> f32 {
+        if self.base.curved == 0 {
+            return STRAY * STRAY;
+        }
+        // As the undercoat's tangents are turned at random (shaders/shared/volume.wgsl).
+        let coat = &self.world.scene.undercoat;
+        let t = (height * self.base.height / coat.height.max().max(1e-6)).min(1.0);
+        (coat.tangent_jitter * t.powf(coat.jitter_exponent)).powi(2) / 3.0
     }
 
     /// Draws a frame with the rows of its view.

@@ -119,7 +119,7 @@ fn at(distance: f32, layers: u32) -> Vec<(f32, u32, u32, f32)> {
     let mut shells = Shells { length: Scalar::Constant(1.0), ..Default::default() };
     shells.lod.enabled = true;
     shells.lod.distance = 8.0;
-    let all = rows(&shells, layers, layers, distance, &[]);
+    let all = rows(&shells, layers, layers, distance, &[], &|_| 0.0);
     let count = all.len() - FIN_ROWS as usize;
     all[..count].iter().map(|r| (r.height, r.fine, r.coarse, r.blend)).collect()
 }
@@ -159,10 +159,10 @@ fn nothing_jumps_between_levels() {
 #[test]
 fn fewer_shells_keep_their_places() {
     let shells = Shells::default();
-    let all = rows(&shells, 16, 16, 1.0, &[]);
-    let some = rows(&shells, 16, 5, 1.0, &[]);
+    let all = rows(&shells, 16, 16, 1.0, &[], &|_| 0.0);
+    let some = rows(&shells, 16, 5, 1.0, &[], &|_| 0.0);
     assert_eq!(some[..5], all[..5]);
     // The fins end where the shells end.
     assert_eq!(some.last().unwrap().height, 5.0 / 16.0);
-    assert_eq!(rows(&shells, 16, 0, 1.0, &[]).len(), FIN_ROWS as usize);
+    assert_eq!(rows(&shells, 16, 0, 1.0, &[], &|_| 0.0).len(), FIN_ROWS as usize);
 }

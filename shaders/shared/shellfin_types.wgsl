@@ -20,7 +20,8 @@ struct Shellfin {
     curved: u32,             // 1: along the groom's mean strand, 0: straight
     spread: f32,             // tangent of the guard hairs' random lean
     guard: u32,              // 1: guard hairs have layers of their own
-    padding: vec2u,
+    edge_fade: f32,          // 1: shells fade where they are seen from the edge
+    fin_slant: f32,          // depth of fur that a fin stands for, by that of its texture
 }
 
 struct ShellRow {
@@ -31,7 +32,10 @@ struct ShellRow {
     undercoat: vec3f, // mean colour of the layer
     shade: f32,      // darkening towards the skin, for the table
     guard: vec3f,    // mean colour of its guard hairs
-    padding: u32,
+    jitter: f32,     // variance of the other hairs' direction about its mean, an axis
+    coverage: f32,   // mean of the layer
+    share: f32,      // of it, guard hair
+    padding: vec2u,
 }
 
 const NO_LAYER: u32 = 0xffffffffu;

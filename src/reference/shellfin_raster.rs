@@ -13,7 +13,6 @@ use glam::{Vec2, Vec3, Vec4};
 
 /// As in the shader.
 const LEAST_COVERAGE: f32 = 0.002;
-const LEAST_SINE: f32 = 0.3;
 
 /// What the pass reads.
 pub struct Picture<'a> {
@@ -50,6 +49,7 @@ struct Varying {
     uv: Vec2,
     normal: Vec3,
     tangent: Vec3,
+    lean: Vec3,
     undercoat: Vec3,
     guard: Vec3,
 }
@@ -102,12 +102,28 @@ pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, e
     }
 }
 
-/// Lit colour, premultiplied, of a way `slant` times as long as that of the texture.
-fn lit(whole: Vec4, guard: Vec4, slant: f32, at: &Varying) -> Vec4 {
-    let coverage = 1.0 - (1.0 - whole.w).max(0.0).powf(slant);
+/// Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
+fn spread_sine(tangent: Vec3, view: Vec3, variance: f32) -> f32 {
+    let c = tangent.normalize().dot(view);
+    (1.0 - (c * c + variance * (1.0 - c * c)) / (1.0 + 2.0 * variance)).max(0.0).sqrt()
+}
+
+/// Lit colour, premultiplied.
+fn lit(whole: Vec4, guard: Vec4, at: &Varying) -> Vec4 {
     let fine = (whole.truncate() - guard.truncate()).max(Vec3::ZERO);
-    let color = fine * at.undercoat + guard.truncate() * at.guard;
-    (color * coverage / whole.w.max(1e-4)).extend(coverage)
+    (fine * at.undercoat + guard.truncate() * at.guard).extend(whole.w)
+}
+
+/// The same for a way `slant` times as long: the layer's mean transmittance is taken to that power.
+fn slanted(row: &ShellRow, color: Vec4, slant: f32, at: &Varying) -> Vec4 {
+    let mean_through = 1.0 - row.coverage.min(0.9999);
+    if slant <= 1.0 {
+        return color * (1.0 - mean_through.powf(slant)) / row.coverage.max(1e-6);
+    }
+    let more = (1.0 - color.w) * (1.0 - mean_through.powf(slant - 1.0));
+    let [undercoat, guard] = [row.undercoat, row.guard].map(Vec3::from);
+    let fog = (undercoat * at.undercoat).lerp(guard * at.guard, row.share);
+    color + more * fog.extend(1.0)
 }
 
 /// A triangle ready to be drawn.
@@ -132,6 +148,7 @@ impl Picture<'_> {
             uv: Vec2::ZERO,
             normal: Vec3::ZERO,
             tangent: Vec3::ZERO,
+            lean: Vec3::ZERO,
             undercoat: self.base_light[corner.vertex as usize],
             guard: Vec3::ZERO,
         })
@@ -145,6 +162,7 @@ impl Picture<'_> {
                 uv: Vec2::from(corner.uv) / Vec2::from(self.shellfin.torus),
                 normal: self.vertices[corner.vertex as usize].normal.into(),
                 tangent: at.tangent,
+                lean: at.lean,
                 undercoat: at.undercoat,
                 guard: at.guard,
             }
@@ -171,6 +189,7 @@ impl Picture<'_> {
                 uv: Vec2::new(u, height),
                 normal: Vec3::ZERO,
                 tangent: at.tangent,
+                lean: at.lean,
                 undercoat: at.undercoat,
                 guard: at.guard,
             }
@@ -195,20 +214,25 @@ impl Picture<'_> {
             [] => Vec4::ZERO,
             guards => bilinear(&guards[row.fine as usize], at.uv, true).lerp(coarse(guards), row.blend),
         };
-        let mut slant = 1.0;
-        if self.shellfin.slanted == 1 {
-            let view = (Vec3::from(self.frame.eye) - at.position).normalize();
-            let c = at.tangent.normalize().dot(view);
-            let sine = ((1.0 - c * c).max(0.0) + c * c * LEAST_SINE * LEAST_SINE).sqrt();
-            slant = sine / at.normal.normalize().dot(view).abs().max(0.08);
+        if self.shellfin.slanted == 0 {
+            return lit(whole, guard, at);
         }
-        lit(whole, guard, slant, at)
+        let view = (Vec3::from(self.frame.eye) - at.position).normalize();
+        let facing = at.normal.normalize().dot(view).abs();
+        let undercoat = spread_sine(at.lean, view, row.jitter);
+        let of_guard = spread_sine(at.tangent, view, self.shellfin.spread.powi(2));
+        let slant = (undercoat + row.share * (of_guard - undercoat)) / facing.max(0.08);
+        let x = (facing / 0.35).clamp(0.0, 1.0);
+        let edge = x * x * (3.0 - 2.0 * x);
+        slanted(row, lit(whole, guard, at), slant, at) * (1.0 + self.shellfin.edge_fade * (edge - 1.0))
     }
 
     fn fin_color(&self, fade: f32, at: &Varying) -> Vec4 {
         let whole = bilinear(self.fin[0], at.uv, false);
         let guard = if self.shellfin.guard == 1 { bilinear(self.fin[1], at.uv, false) } else { Vec4::ZERO };
-        lit(whole, guard, 1.0, at) * fade
+        let color = lit(whole, guard, at);
+        let coverage = 1.0 - (1.0 - color.w).max(0.0).powf(self.shellfin.fin_slant);
+        (color.truncate() * coverage / color.w.max(1e-4)).extend(coverage) * fade
     }
 
     /// The samples of the tile, row by row.
@@ -283,6 +307,7 @@ impl Picture<'_> {
             uv,
             normal: mix(&|v| v.normal),
             tangent: mix(&|v| v.tangent),
+            lean: mix(&|v| v.lean),
             undercoat: mix(&|v| v.undercoat),
             guard: mix(&|v| v.guard),
         };

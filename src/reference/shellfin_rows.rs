@@ -44,6 +44,8 @@ pub struct RowVertex {
     pub position: Vec3,
     /// Of the hair, unit.
     pub tangent: Vec3,
+    /// Of what is not guard hair, unit.
+    pub lean: Vec3,
     /// Radiance by colour of what is not guard hair.
     pub undercoat: Vec3,
     /// Radiance by colour of the guard hairs.
@@ -92,7 +94,8 @@ impl Hair<'_> {
             let p3 = above(above(p2) + (p3 - p2));
             let p2 = above(p2);
             let r = 1.0 - s;
-            p = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s.powi(3) * p3) / p3.dot(n).max(0.25);
+            let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s.powi(3) * p3) / p3.dot(n).max(0.25);
+            p = b.reject_from_normalized(n) + s * n;
         }
         p += Vec3::from(self.shellfin.bend) * s.powi(3);
         p + n * (0.1 * s - p.dot(n)).max(0.0)
@@ -122,6 +125,11 @@ impl Hair<'_> {
         let view = (Vec3::from(self.frame.eye) - position).normalize();
         let lights = self.lights.iter().take(self.fur.lights as usize);
         let (mut undercoat, mut guard) = (Vec3::ZERO, Vec3::ZERO);
+        let height = offset.dot(n) / self.vertices[v].height.max(1e-4);
+        let lean = match self.shellfin.curved {
+            1 => (n + Vec3::from(self.fur.lean) * height.min(1.0)).normalize(),
+            _ => tangent,
+        };
         if self.shellfin.lighting == 1 {
             for light in lights {
                 let l = Vec3::from(light.direction);
@@ -130,10 +138,8 @@ impl Hair<'_> {
                     * hair_lighting(self.table, tangent.dot(l), tangent.dot(h))
                     * row.shade;
             }
-            return RowVertex { position, tangent, undercoat, guard: undercoat };
+            return RowVertex { position, tangent, lean, undercoat, guard: undercoat };
         }
-        let height = offset.dot(n) / self.vertices[v].height.max(1e-4);
-        let lean = (n + Vec3::from(self.fur.lean) * height.min(1.0)).normalize();
         let aside = if tangent.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
         let side = tangent.cross(aside).normalize();
         let other = tangent.cross(side);
@@ -158,7 +164,7 @@ impl Hair<'_> {
             }
         }
         let guard = guard / Vec3::from(row.guard).max(Vec3::splat(1e-3));
-        RowVertex { position, tangent, undercoat, guard }
+        RowVertex { position, tangent, lean, undercoat, guard }
     }
 }
 
@@ -170,11 +176,15 @@ pub fn unpack(position: [f32; 4], light: [u32; 4]) -> RowVertex {
     let [guard_g, guard_b] = halves(light[2]);
     RowVertex {
         position: Vec3::new(x, y, z),
-        tangent: super::octahedral::decode(Vec2::from(
-            [tangent.to_bits() as u16, (tangent.to_bits() >> 16) as u16]
-                .map(|half| (f32::from(half as i16) / 32767.0).max(-1.0)),
-        )),
+        tangent: unit(tangent.to_bits()),
+        lean: unit(light[3]),
         undercoat: Vec3::new(r, g, b),
         guard: Vec3::new(guard_r, guard_g, guard_b),
     }
+}
+
+/// A unit vector in two halves of a word.
+fn unit(word: u32) -> Vec3 {
+    let halves = [word as u16, (word >> 16) as u16].map(|half| (f32::from(half as i16) / 32767.0).max(-1.0));
+    super::octahedral::decode(Vec2::from(halves))
 }

@@ -52,3 +52,10 @@ pub fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
     let scale = (skin.area() / flat.max(1e-12)).sqrt() as f32;
     Some(uv.iter().map(|corners| corners.map(|p| p * scale)).collect())
 }
+
+/// Mean length of the edges, cm.
+pub fn mean_edge(skin: &Skin, edges: &[FinEdge]) -> f32 {
+    let at = |v: u32| skin.positions[v as usize];
+    let sum: f64 = edges.iter().map(|e| f64::from(at(e.a).distance(at(e.b)))).sum();
+    (sum / edges.len().max(1) as f64) as f32
+}

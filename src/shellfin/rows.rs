@@ -18,13 +18,20 @@ pub fn levels(layers: u32) -> Vec<u32> {
 }
 
 /// The rows for an eye at `distance` diameters of the skin: the innermost `drawn` of `layers` layers at their level of detail,
-/// then the rows of the fins. `means` holds the mean colours of all levels' layers, one level after the other.
+/// then the rows of the fins. `jitter` gives the variance of the hairs' direction at a height; `means` holds the mean colours of all levels' layers, one level after the other.
 ///
 /// Between two levels every shell moves and changes from its fine layer to the coarse one that holds it; shells that the coarse
 /// level lacks fade out. So nothing jumps at any distance.
 // [Lengyel2001] sec. 4.5; DEVIATION: the coarse shell stands in the middle of its slab instead of at the lower of the two, so that
 // the fur stays as high as it was
-pub fn rows(shells: &Shells, layers: u32, drawn: u32, distance: f32, means: &[Means]) -> Vec<ShellRow> {
+pub fn rows(
+    shells: &Shells,
+    layers: u32,
+    drawn: u32,
+    distance: f32,
+    means: &[Means],
+    jitter: &dyn Fn(f32) -> f32,
+) -> Vec<ShellRow> {
     let counts = levels(layers);
     let coarsest = counts.len() - 1;
     let detail = if shells.lod.enabled {
@@ -52,6 +59,7 @@ pub fn rows(shells: &Shells, layers: u32, drawn: u32, distance: f32, means: &[Me
             let height = middle(level, layer);
             let height = if stays { height + blend * (middle(level + 1, layer / 2) - height) } else { height };
             let mean = means.get(fine as usize).copied().unwrap_or_default();
+            let to = means.get(coarse as usize).map_or(0.0, |m| m.coverage);
             ShellRow {
                 height,
                 fine,
@@ -60,7 +68,10 @@ pub fn rows(shells: &Shells, layers: u32, drawn: u32, distance: f32, means: &[Me
                 undercoat: mean.undercoat,
                 shade: shade(height),
                 guard: mean.guard,
-                padding: 0,
+                jitter: jitter(height),
+                coverage: mean.coverage + if changes { blend * (to - mean.coverage) } else { 0.0 },
+                share: mean.share,
+                padding: [0; 2],
             }
         })
         .collect();
@@ -78,7 +89,10 @@ pub fn rows(shells: &Shells, layers: u32, drawn: u32, distance: f32, means: &[Me
             undercoat: mean.undercoat,
             shade: shade(height),
             guard: mean.guard,
-            padding: 0,
+            jitter: jitter(height),
+            coverage: mean.coverage,
+            share: mean.share,
+            padding: [0; 2],
         }
     }));
     all

@@ -19,13 +19,17 @@ pub(super) struct Uploaded {
     pub upright: wgpu::Sampler,
 }
 
-/// Mean colours of a layer, linear RGB.
+/// Means of a layer: colours, linear RGB, and coverage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Means {
     /// Of what is not guard hair.
     pub undercoat: [f32; 3],
     /// Of the guard hairs.
     pub guard: [f32; 3],
+    /// Coverage.
+    pub coverage: f32,
+    /// Part of it that is guard hair.
+    pub share: f32,
 }
 
 /// Uploads all levels of detail with their mips.
@@ -70,9 +74,14 @@ fn means(whole: &Texture, guard: Option<&Texture>) -> Means {
             sum
         })
     };
-    let (whole, guard) = (sum(Some(whole)), sum(guard));
+    let (all, guard) = (sum(Some(whole)), sum(guard));
     let color = |sum: [f64; 4]| [0, 1, 2].map(|k| (sum[k] / sum[3].max(1e-12)).clamp(0.0, 1.0) as f32);
-    Means { undercoat: color([0, 1, 2, 3].map(|k| (whole[k] - guard[k]).max(0.0))), guard: color(guard) }
+    Means {
+        undercoat: color([0, 1, 2, 3].map(|k| (all[k] - guard[k]).max(0.0))),
+        guard: color(guard),
+        coverage: (all[3] / whole.texels.len().max(1) as f64) as f32,
+        share: (guard[3] / all[3].max(1e-12)).clamp(0.0, 1.0) as f32,
+    }
 }
 
 /// An array texture with all mips.
