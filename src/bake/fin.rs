@@ -66,23 +66,19 @@ fn draw(hair: &Hair, block: &Block, [width, height]: [u32; 2], stamp: &mut Stamp
     // Colour of each row, from the steps that reach it.
     let mut rows = vec![[0.0f32; 4]; height as usize];
     stamp.clear();
-    hair.steps(
-        Vec3::new(0.7 * texel.x, f32::INFINITY, 0.35 * texel.y),
-        f32::NEG_INFINITY,
-        block.height,
-        |step| {
-            let area = step.area / (texel.x * texel.y);
-            if area > 0.0 {
-                let at = Vec2::new(root - root.floor() + step.at.x / texel.x, step.at.z.max(0.0) / texel.y);
-                stamp.push(at, area);
-                let row = (at.y as usize).min(rows.len() - 1);
-                let add = (step.color * area).extend(area).to_array();
-                (0..4).for_each(|k| rows[row][k] += add[k]);
-                length += step.length;
-                shown += step.area;
-            }
-        },
-    );
+    let cell = Vec3::new((0.7 * texel.x).max(0.125 * hair.thickest()), f32::INFINITY, 0.35 * texel.y);
+    hair.steps(cell, f32::NEG_INFINITY, block.height, |step| {
+        let area = step.area / (texel.x * texel.y);
+        if area > 0.0 {
+            let at = Vec2::new(root - root.floor() + step.at.x / texel.x, step.at.z.max(0.0) / texel.y);
+            stamp.push(at, area);
+            let row = (at.y as usize).min(rows.len() - 1);
+            let add = (step.color * area).extend(area).to_array();
+            (0..4).for_each(|k| rows[row][k] += add[k]);
+            length += step.length;
+            shown += step.area;
+        }
+    });
     let area = stamp.area();
     if area <= 0.0 {
         return None;

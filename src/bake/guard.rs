@@ -108,11 +108,11 @@ impl Fur for GuardFur<'_> {
         let p1 = leg(0.5);
         let p2 = p1 + leg(0.9);
         let p3 = p2 + leg(1.25);
-        let pull =
-            if self.clump > 0.0 { self.clump * self.clumps.to_nearest(root.into()) } else { Vec2::ZERO };
+        let pull = if self.clump > 0.0 { self.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
         let phase = TAU * random(seed, 3);
         let tone = 1.0 + g.color_variation * (2.0 * random(seed, 6) - 1.0);
-        let segments = g.segments.max(1);
+        // The curve itself, not its tessellation: frizz of many bends would show corners in the fin.
+        let segments = g.segments.max(32);
         let knots = (0..=segments)
             .map(|k| {
                 let s = k as f32 / segments as f32;

@@ -8,8 +8,8 @@ use crate::scene::Fur as FurLayers;
 use crate::{Error, Result, World};
 use glam::Vec3;
 
-/// Most hairs of either kind that are grown; where the patch has more, each stands for several.
-const MOST_HAIRS: u32 = 1_000_000;
+/// Hairs of a kind that are grown for each texel of a layer, at most; where the patch has more, each stands for several.
+const HAIRS_A_TEXEL: u32 = 8;
 
 /// Part of the guard hairs' length x diameter that the height holds where none is given: the longest thin tips stay out.
 const WITHIN: f64 = 0.99;
@@ -26,12 +26,14 @@ impl<'a> HybridFur<'a> {
         let scene = &world.scene;
         let means = SkinSamples::new(world);
         let seed = scene.render.seed;
+        let texels = scene.bake.resolution.iter().fold(1u32, |n, r| n.saturating_mul(*r));
+        let most = texels.saturating_mul(HAIRS_A_TEXEL).clamp(65_536, 1_000_000);
         let combed = Vec3::from(scene.guard.comb_direction).length_squared() > 0.0;
         let guard = (scene.render.fur != FurLayers::Implicit)
-            .then(|| GuardFur::new(&scene.guard, &means, patch, seed, MOST_HAIRS))
+            .then(|| GuardFur::new(&scene.guard, &means, patch, seed, most))
             .filter(|g| g.count() > 0);
         let coat = (scene.render.fur != FurLayers::Explicit)
-            .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, MOST_HAIRS))
+            .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, most))
             .filter(|c| c.count() > 0);
         if guard.is_none() && coat.is_none() {
             let message = "there is no hair to bake: guard hairs and undercoat have no density, no length or are not drawn (render.fur)";

@@ -50,7 +50,7 @@ impl Fur for ParticleFur<'_> {
         let height = self.height * (1.0 - p.length_variation * random(seed, 0)).max(1e-3);
         let tone = 1.0 + p.color_variation * (2.0 * random(seed, 1) - 1.0);
         let phase = TAU * random(seed, 2);
-        let to_clump = if p.clump > 0.0 { p.clump * self.clumps.to_nearest(root.into()) } else { Vec2::ZERO };
+        let to_clump = if p.clump > 0.0 { p.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
         let (mut path, mut slope) = (Vec2::ZERO, Vec2::new(p.lean, 0.0));
         let ds = 1.0 / self.steps as f32;
         let knots = (0..=self.steps)

@@ -7,6 +7,7 @@ use glam::Vec2;
 pub(super) struct Stamp {
     steps: Vec<(Vec2, f32)>,
     kernel: [Vec<f32>; 2],
+    touched: Vec<f32>,
     /// Lowest column and row.
     pub origin: [i32; 2],
     /// Columns and rows.
@@ -90,15 +91,14 @@ impl Stamp {
     /// Raises the depths until the hair, alone, covers its area: where it lies deep over itself, 1 - exp(-tau) covers less.
     /// Hairs at random places then hide as much as Beer and Lambert say, since each hides its own part of what is left.
     pub fn cover(&mut self) {
-        let area: f32 = self.depth.iter().sum();
-        if area <= 0.0 {
-            return;
-        }
+        self.touched.clear();
+        self.touched.extend(self.depth.iter().filter(|d| **d > 0.0));
+        let area: f32 = self.touched.iter().sum();
         // Newton's method from below on a concave function: it does not overshoot.
         let mut gain = 1.0f32;
         for _ in 0..24 {
             let (mut covered, mut slope) = (0.0, 0.0);
-            for d in &self.depth {
+            for d in &self.touched {
                 let through = (-gain * d).exp();
                 covered += 1.0 - through;
                 slope += d * through;

@@ -88,6 +88,11 @@ impl Hair {
         sum
     }
 
+    /// Largest diameter, cm.
+    pub(super) fn thickest(&self) -> f32 {
+        self.knots.iter().map(|k| k.diameter).fold(0.0, f32::max)
+    }
+
     /// Cuts the hair into steps no longer than `cell` (cm) along each axis, and hands out those with their middle from `low` to `high` cm.
     pub(super) fn steps(&self, cell: Vec3, low: f32, high: f32, mut step: impl FnMut(Step)) {
         for pair in self.knots.windows(2) {

@@ -6,7 +6,7 @@ use noise::{NoiseFn, Simplex};
 use std::f64::consts::TAU;
 
 /// Standard deviation of the `noise` crate's simplex noise in space, over all places and seeds.
-pub(super) const NOISE_DEVIATION: f64 = 0.37;
+pub(super) const NOISE_SPREAD: f64 = 0.279;
 
 /// Points a side of the grid on which a noise is measured.
 const GRID: u32 = 48;
@@ -36,7 +36,7 @@ impl PeriodicNoise {
         noise.mean = sum / count;
         let deviation = (squares / count - noise.mean * noise.mean).max(0.0).sqrt();
         // A torus smaller than a bump holds a part of it; that is not blown up to a whole one.
-        noise.gain = (NOISE_DEVIATION / deviation.max(1e-6)).min(2.0);
+        noise.gain = (NOISE_SPREAD / deviation.max(1e-6)).min(3.0);
         noise
     }
 
@@ -75,7 +75,7 @@ impl ClumpCentres {
     }
 
     /// From a place (1 the edges of the torus) to the nearest centre, cm.
-    pub fn to_nearest(&self, uv: Vec2) -> Vec2 {
+    pub fn nearest(&self, uv: Vec2) -> Vec2 {
         let n = Vec2::new(self.cells[0] as f32, self.cells[1] as f32);
         let at = (uv - uv.floor()) * n;
         let cell = at.floor();
@@ -97,7 +97,7 @@ impl ClumpCentres {
 /// A place of the i-th of many roots that lie evenly, but not in rows: a low-discrepancy sequence, shaken.
 pub(super) fn even_root(seed: u32, i: u32, count: u32) -> [f32; 2] {
     let h = hash2(seed, i);
-    let shake = 1.0 / f64::from(count.max(1)).sqrt();
+    let shake = 2.0 / f64::from(count.max(1)).sqrt();
     [(0u32, 0.754_877_666_246_692_8), (1, 0.569_840_290_998_053_3)].map(|(k, step)| {
         let start = f64::from(random(seed, k));
         let x = start + f64::from(i) * step + shake * f64::from(random(h, 20 + k) - 0.5);
@@ -123,7 +123,7 @@ mod tests {
             }
         }
         let deviation = f64::sqrt(squares / count);
-        assert!((deviation - NOISE_DEVIATION).abs() < 0.02, "{deviation}");
+        assert!((deviation - NOISE_SPREAD).abs() < 0.005, "{deviation}");
     }
 
     #[test]
@@ -139,9 +139,19 @@ mod tests {
                 sum += f64::from(x);
                 squares += f64::from(x * x);
             }
+            // The border is no step.
+            for k in 0..50 {
+                let y = k as f32 / 50.0;
+                for (low, high) in [
+                    (Vec2::new(1e-4, y), Vec2::new(1.0 - 1e-4, y)),
+                    (Vec2::new(y, 1e-4), Vec2::new(y, 1.0 - 1e-4)),
+                ] {
+                    assert!((noise.at(low) - noise.at(high)).abs() < 0.02, "{periods:?} at {low}");
+                }
+            }
             let (mean, deviation) = (sum / f64::from(n * n), (squares / f64::from(n * n)).sqrt());
             assert!(mean.abs() < 0.02, "{periods:?}: mean {mean}");
-            assert!((deviation / NOISE_DEVIATION - 1.0).abs() < 0.05, "{periods:?}: {deviation}");
+            assert!((deviation / NOISE_SPREAD - 1.0).abs() < 0.05, "{periods:?}: {deviation}");
         }
     }
 
@@ -150,10 +160,10 @@ mod tests {
         let centres = ClumpCentres::new(25.0, Vec2::new(2.0, 1.0), 5);
         for i in 0..200 {
             let uv = Vec2::new(random(i, 0), random(i, 1));
-            let offset = centres.to_nearest(uv);
-            assert!((offset - centres.to_nearest(uv + Vec2::new(-1.0, 3.0))).length() < 1e-4);
+            let offset = centres.nearest(uv);
+            assert!((offset - centres.nearest(uv + Vec2::new(-1.0, 3.0))).length() < 1e-4);
             // The centre itself has none nearer than itself.
-            let there = centres.to_nearest(uv + offset / centres.patch);
+            let there = centres.nearest(uv + offset / centres.patch);
             assert!(there.length() < 1e-4, "{there}");
         }
     }

@@ -14,6 +14,9 @@ use glam::{Vec2, Vec3};
 /// Knots of a hair after its root.
 const SEGMENTS: u32 = 9;
 
+/// Change of brightness from hair to hair.
+const TONE: f32 = 0.2;
+
 /// Candidates for a root before the last one is taken.
 const ATTEMPTS: u32 = 64;
 
@@ -115,6 +118,10 @@ impl Fur for UndercoatFur<'_> {
         let turns = [0, 1, 2].map(|k| random_direction(seed, 10 + 2 * k));
         let ratio = coat.diameter[1] / coat.diameter[0].max(1e-6);
         let middle = self.clump(at, MIDDLE).max(1e-3);
+        // DEVIATION: the volume has one colour at a height. Hairs of one colour are fog where they are dense, so that they differ here, by as
+        // much as leaves the mean.
+        let brightest = self.color_root.max(self.color_tip).max_element().max(1e-3);
+        let tone = 1.0 + TONE.min((1.0 / brightest - 1.0).max(0.0)) * (2.0 * random(seed, 2) - 1.0);
         let mut offset = Vec3::ZERO;
         let mut length = 0.0;
         let mut knots: Vec<Knot> = (0..=SEGMENTS)
@@ -137,7 +144,7 @@ impl Fur for UndercoatFur<'_> {
                     offset,
                     diameter: coat.diameter[0] * (1.0 + (ratio - 1.0) * t) * 1e-4,
                     opacity: self.weight * clump / middle,
-                    color: self.color_root.lerp(self.color_tip, t),
+                    color: self.color_root.lerp(self.color_tip, t) * tone,
                 }
             })
             .collect();

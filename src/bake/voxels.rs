@@ -109,8 +109,9 @@ impl Layer {
         stamp.clear();
         let low = if l == 0 { f32::NEG_INFINITY } else { (l as f32 + 0.5 - REACH) * spacing };
         let high = ((l as f32 + 0.5 + REACH) * spacing).min(block.height);
-        // Steps of at most 0.7 texels and a quarter of a spacing.
-        hair.steps((0.7 * texel).extend(0.25 * spacing), low, high, |step| {
+        // Steps of at most 0.7 texels, or half the Gaussian of a thick hair, and a quarter of a spacing.
+        let cell = (0.7 * texel).max(Vec2::splat(0.125 * hair.thickest()));
+        hair.steps(cell.extend(0.25 * spacing), low, high, |step| {
             let part = share((step.at.z / spacing).max(0.0), l, block.layers);
             let area = step.area * part / (texel.x * texel.y);
             if area > 0.0 {
