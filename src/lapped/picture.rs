@@ -53,7 +53,7 @@ pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     for row in 0..view.height.div_ceil(SPACING) {
         for column in 0..view.width.div_ceil(SPACING) {
             let id = (row * view.width + column) as u32;
-            let jitter = Vec2::new(random(id, 0), random(id, 1));
+            let jitter = 0.25 + 0.5 * Vec2::new(random(id, 0), random(id, 1));
             let mut at = (Vec2::new(column as f32, row as f32) + jitter) * SPACING as f32;
             let mut done = 0.0;
             let mut behind = None;
