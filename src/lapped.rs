@@ -84,7 +84,7 @@ pub fn lap(skin: &Skin, scene: &Scene) -> Result<Lapped> {
     let spec = &scene.lapped;
     let radius = radius(skin, spec)?;
     let surface = Surface::new(skin)?;
-    let field = field::directions(&surface, spec, Vec3::from(scene.guard.comb_direction))?;
+    let field = field::directions(&surface, spec, Vec3::from(scene.guard.comb_direction), radius)?;
     let mut lapped = Lapped {
         field: surface.frames.iter().zip(&field).map(|(f, z)| f.world(*z)).collect(),
         topmost: vec![u32::MAX; skin.triangles.len()],

@@ -20,13 +20,26 @@ const ZERO: Complex = Complex::new(0.0, 0.0);
 /// Sine below which a direction counts as square to a face: nothing of it is left on it.
 const SQUARE: f64 = 0.02;
 
-/// The directions for `spec`; `comb` is the groom's, world space.
-pub(super) fn directions(surface: &Surface, spec: &LappedSpec, comb: Vec3) -> Result<Vec<Complex>> {
+/// Where the search for the smoothest field starts: downwards, and a little aside. Straight down, a symmetric skin would
+/// keep a parting along its ridge.
+const DOWN: DVec3 = DVec3::new(0.1, -1.0, 0.3);
+
+/// Over how much of a patch's radius projected directions are evened out. A direction that stands almost square to the skin
+/// would follow every dent else, and no patch could follow it.
+const EVENED: f64 = 0.5;
+
+/// The directions for `spec`; `comb` is the groom's, world space, `radius` that of the patches, cm.
+pub(super) fn directions(
+    surface: &Surface,
+    spec: &LappedSpec,
+    comb: Vec3,
+    radius: f64,
+) -> Result<Vec<Complex>> {
     match spec.field {
         FieldSource::Auto => smoothest(surface),
-        FieldSource::Gravity => projected(surface, DVec3::NEG_Y),
+        FieldSource::Gravity => projected(surface, DVec3::NEG_Y, radius),
         FieldSource::Groom => match comb.as_dvec3().try_normalize() {
-            Some(comb) => projected(surface, comb),
+            Some(comb) => projected(surface, comb, radius),
             None => Err(Error::fault(
                 "guard.comb_direction",
                 format!(
@@ -39,13 +52,20 @@ pub(super) fn directions(surface: &Surface, spec: &LappedSpec, comb: Vec3) -> Re
     }
 }
 
-/// `direction` projected on each face. Where nothing is left of it, the neighbours decide.
-fn projected(surface: &Surface, direction: DVec3) -> Result<Vec<Complex>> {
-    let of = |frame: &super::surface::Frame| {
-        let z = frame.tangential(direction);
-        if z.re.hypot(z.im) > SQUARE { unit(z) } else { None }
-    };
-    filled(surface, surface.frames.iter().map(of).collect())
+/// `direction` projected on each face and diffused over part of the radius: what is left of it on a face says how much it
+/// counts. Where nothing is left, the surroundings decide.
+fn projected(surface: &Surface, direction: DVec3, radius: f64) -> Result<Vec<Complex>> {
+    let z: Vec<Complex> = surface.frames.iter().map(|frame| frame.tangential(direction)).collect();
+    let mut most = vec![0.0_f64; surface.parts.len()];
+    z.iter()
+        .zip(&surface.part)
+        .for_each(|(z, p)| most[*p as usize] = most[*p as usize].max(z.re.hypot(z.im)));
+    // A diagonal of s times the share in the area diffuses over a length of sqrt(area / s).
+    let share = |f: usize| surface.parts[surface.part[f] as usize].1 / (EVENED * radius).powi(2);
+    let laplacian = Laplacian::new(surface, 1e-9, |f, mass| mass * share(f))?;
+    let even = laplacian.solve(&z, |f| laplacian.mass[f] * share(f));
+    let of = |(z, part): (&Complex, &u32)| if most[*part as usize] > SQUARE { unit(*z) } else { None };
+    filled(surface, even.iter().zip(&surface.part).map(of).collect())
 }
 
 /// Gives faces without a direction the mean of their neighbours', nearest first. A part of the skin without any gets its
@@ -90,8 +110,8 @@ fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Comp
 /// vanish on a limb.
 fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
     let mut z = vec![ZERO; surface.frames.len()];
-    for direction in [DVec3::NEG_Y, DVec3::Z, DVec3::X] {
-        // A level part has no way down.
+    for direction in [DOWN, DVec3::X] {
+        // A part square to the direction has no start.
         let mut left = vec![0.0; surface.parts.len()];
         z.iter().zip(&surface.part).for_each(|(z, p)| left[*p as usize] += z.re.hypot(z.im));
         for ((z, frame), part) in z.iter_mut().zip(&surface.frames).zip(&surface.part) {
@@ -100,7 +120,7 @@ fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
             }
         }
     }
-    let wide = Laplacian::new(surface, 1.0, |_| 0.0)?;
+    let wide = Laplacian::new(surface, 1.0, |_, _| 0.0)?;
     for _ in 0..12 {
         z = wide.solve(&z, |f| wide.mass[f]);
         // Each part is scaled for itself.
@@ -113,7 +133,7 @@ fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
             *z = *z * scale;
         }
     }
-    let near = Laplacian::new(surface, 50.0, |_| 0.0)?;
+    let near = Laplacian::new(surface, 50.0, |_, _| 0.0)?;
     for _ in 0..6 {
         z.iter_mut().for_each(|z| *z = unit(*z).unwrap_or(ZERO));
         z = near.solve(&z, |f| near.mass[f]);
@@ -136,7 +156,7 @@ fn interpolated(surface: &Surface, vectors: &[FieldVector]) -> Result<Vec<Comple
         weight[f] += 1e3;
         given[f] = given[f] + z * 1e3;
     }
-    let laplacian = Laplacian::new(surface, 1e-6, |f| weight[f])?;
+    let laplacian = Laplacian::new(surface, 1e-6, |f, _| weight[f])?;
     let z = laplacian.solve(&given, |_| 1.0);
     let mut known = vec![false; surface.parts.len()];
     (0..z.len()).filter(|f| weight[*f] > 0.0).for_each(|f| known[surface.part[f] as usize] = true);
@@ -191,8 +211,8 @@ struct Laplacian {
 }
 
 impl Laplacian {
-    /// The diagonal is `shift` times the face's share in the area of its part, plus `more`.
-    fn new(surface: &Surface, shift: f64, more: impl Fn(usize) -> f64) -> Result<Self> {
+    /// The diagonal is `shift` times the face's share in the area of its part, plus `more` of the face and that share.
+    fn new(surface: &Surface, shift: f64, more: impl Fn(usize, f64) -> f64) -> Result<Self> {
         let faces = surface.frames.len();
         let share = |f: usize| {
             let (count, area) = surface.parts[surface.part[f] as usize];
@@ -201,7 +221,7 @@ impl Laplacian {
             by_area + 1e-6 / count as f64
         };
         let mass: Vec<f64> = (0..faces).map(share).collect();
-        let mut diagonal: Vec<f64> = (0..faces).map(|f| shift * mass[f] + more(f)).collect();
+        let mut diagonal: Vec<f64> = (0..faces).map(|f| shift * mass[f] + more(f, mass[f])).collect();
         let mut entries = Vec::with_capacity(3 * faces);
         for f in 0..faces as u32 {
             for (k, g) in surface.around(f).filter(|(_, g)| *g < f) {

@@ -11,6 +11,9 @@ use glam::{DVec2, Vec2};
 /// Largest stretch of a face in any direction, and of its area, and the inverse of the smallest.
 pub(super) const LIMIT: f64 = 2.0;
 
+/// Largest angle between u and the direction of a face, where patches follow the field, radians.
+pub(super) const TURN: f64 = std::f64::consts::FRAC_PI_4;
+
 /// A flat patch.
 pub(super) struct Flat {
     /// uv of the corners of each face, cm.
@@ -37,8 +40,7 @@ pub(super) struct Map {
 
 impl Map {
     /// From the face's corners to their uv.
-    pub fn of(from: &[DVec2; 3], to: &[Vec2; 3]) -> Self {
-        let to = to.map(|p| p.as_dvec2());
+    pub fn of(from: &[DVec2; 3], to: &[DVec2; 3]) -> Self {
         let (a, b) = (from[1] - from[0], from[2] - from[0]);
         let (p, q) = (to[1] - to[0], to[2] - to[0]);
         // J [a b] = [p q].
@@ -50,11 +52,12 @@ impl Map {
         Self { stretch: [turn + mirror, turn - mirror], angle: x.y.atan2(x.x) }
     }
 
-    /// Neither flipped nor stretched past [`LIMIT`].
+    /// Neither flipped, nor stretched past [`LIMIT`], nor turned past [`TURN`].
     pub fn is_within_limits(&self) -> bool {
         let [most, least] = self.stretch;
         let area = most * least;
-        most <= LIMIT && least >= 1.0 / LIMIT && (1.0 / LIMIT..=LIMIT).contains(&area)
+        let straight = self.angle.abs() <= TURN;
+        straight && most <= LIMIT && least >= 1.0 / LIMIT && (1.0 / LIMIT..=LIMIT).contains(&area)
     }
 }
 
@@ -96,7 +99,9 @@ pub(super) fn flatten(surface: &Surface, region: &Region, seed: &Seed) -> Option
     let first = region.corners[0].map(at);
     let center = first[0] + (first[1] - first[0]) * seed.center.x + (first[2] - first[0]) * seed.center.y;
     let corner_uv: Vec<_> = region.corners.iter().map(|c| c.map(|v| (at(v) - center).as_vec2())).collect();
-    let maps = (0..region.faces.len()).map(|i| Map::of(&turned(surface, region, i), &corner_uv[i])).collect();
+    let maps = (0..region.faces.len())
+        .map(|i| Map::of(&turned(surface, region, i), &corner_uv[i].map(|p| p.as_dvec2())))
+        .collect();
     Some(Flat { corner_uv, maps })
 }
 

@@ -31,6 +31,9 @@ pub(super) struct Region {
     pub uv: Vec<DVec2>,
 }
 
+/// Cosine of the angle between the directions of two faces below which a patch does not go from one to the other.
+const PARTING: f64 = 0.5;
+
 /// Faces cut off from a patch this often are the last: then it is halved instead.
 const CUTS: usize = 6;
 
@@ -190,10 +193,12 @@ impl<'a> Grower<'a> {
             if self.face_mark[g as usize] == self.round {
                 continue;
             }
-            let direction = match seed.turn {
-                Some(_) => direction * self.surface.transport(f, k, g),
-                None => self.field[g as usize],
-            };
+            let laid_flat = direction * self.surface.transport(f, k, g);
+            let direction = if seed.turn.is_some() { laid_flat } else { self.field[g as usize] };
+            // Across a parting of the field no fit can be good.
+            if (laid_flat * direction.conj()).re < PARTING {
+                continue;
+            }
             let uv = self.expected(region, g, direction);
             let distance = ((uv[0] + uv[1] + uv[2]) / 3.0).length();
             heap.push(Next { distance, face: g, direction });

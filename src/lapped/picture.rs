@@ -30,11 +30,12 @@ pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
         if patch == NONE {
             return Vec3::ONE;
         }
-        // Two samples wide: towards the neighbours on the right and below.
-        let other = |j: Option<usize>| {
-            j.is_some_and(|j| patches[j] != NONE && patches[j] != patch && view.touches(skin, i, j))
-        };
-        let seam = other(view.right(i)) || other(view.below(i));
+        // A sample on either side of it.
+        let seam = view
+            .beside(i)
+            .into_iter()
+            .flatten()
+            .any(|j| patches[j] != NONE && patches[j] != patch && view.touches(skin, i, j));
         let color = view.shade(skin, i) * colors[patch as usize];
         if seam { color * 0.25 } else { color }
     };
@@ -53,7 +54,7 @@ pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     for row in 0..view.height.div_ceil(SPACING) {
         for column in 0..view.width.div_ceil(SPACING) {
             let id = (row * view.width + column) as u32;
-            let jitter = Vec2::new(random(id, 0), random(id, 1));
+            let jitter = 0.25 + 0.5 * Vec2::new(random(id, 0), random(id, 1));
             let mut at = (Vec2::new(column as f32, row as f32) + jitter) * SPACING as f32;
             let mut done = 0.0;
             let mut behind = None;
@@ -170,12 +171,15 @@ impl View {
         (self.depth[i] - self.depth[j]).abs() < 3.0 + 3.0 * slope(i).max(slope(j)).min(20.0)
     }
 
-    fn right(&self, i: usize) -> Option<usize> {
-        (i % self.width + 1 < self.width).then_some(i + 1)
-    }
-
-    fn below(&self, i: usize) -> Option<usize> {
-        (i + self.width < self.face.len()).then_some(i + self.width)
+    /// The samples to the left, to the right, above and below.
+    fn beside(&self, i: usize) -> [Option<usize>; 4] {
+        let column = i % self.width;
+        [
+            (column > 0).then(|| i - 1),
+            (column + 1 < self.width).then_some(i + 1),
+            i.checked_sub(self.width),
+            (i + self.width < self.face.len()).then_some(i + self.width),
+        ]
     }
 
     fn sample(&self, at: Vec2) -> Option<usize> {

@@ -62,7 +62,8 @@ impl Lapped {
         for (number, patch) in self.patches.iter().enumerate() {
             for (f, uv) in patch.faces.iter().zip(&patch.corner_uv) {
                 let frame = &surface.frames[*f as usize];
-                let [a, b, c] = uv.map(|p| p.as_dvec2());
+                let uv = uv.map(|p| p.as_dvec2());
+                let [a, b, c] = uv;
                 // A face of no extent at all has no orientation.
                 if (b - a).perp_dot(c - a) <= 0.0 && !(a == b && b == c) {
                     s.flipped += 1;
@@ -72,7 +73,7 @@ impl Lapped {
                     continue;
                 }
                 let direction = frame.tangential(self.field[*f as usize].as_dvec3());
-                let map = Map::of(&frame.turned(direction), uv);
+                let map = Map::of(&frame.turned(direction), &uv);
                 let stretch = map.stretch[0].max(1.0 / map.stretch[1]);
                 weight += frame.area;
                 s.mean_stretch += frame.area * stretch;

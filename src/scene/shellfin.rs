@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LappedSpec {
-    /// Radius of a patch's outline, cm; not given: a seventeenth of the square root of the skin's area.
+    /// Radius of a patch's outline, cm; not given: 0.0465 of the square root of the skin's area.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: Option<f32>,
     /// How uneven the outline is: spread of its radius, 0..0.9.
@@ -27,7 +27,7 @@ pub struct LappedSpec {
 
 impl LappedSpec {
     /// The default radius as part of the square root of the skin's area.
-    pub const RADIUS: f64 = 1.0 / 17.0;
+    pub const RADIUS: f64 = 0.0465;
 }
 
 impl Default for LappedSpec {
@@ -50,9 +50,9 @@ pub enum FieldSource {
     /// The smoothest field that the skin allows.
     #[default]
     Auto,
-    /// Downwards (-y).
+    /// Downwards (-y), evened out over half a patch's radius.
     Gravity,
-    /// Along `guard.comb_direction`.
+    /// Along `guard.comb_direction`, evened out in the same way.
     Groom,
     /// Interpolated from `vectors`.
     Vectors,
