@@ -12,6 +12,7 @@ mod devices;
 mod export;
 mod figure;
 mod interrupt;
+mod lapped;
 mod output;
 mod progress;
 mod render;
@@ -63,6 +64,8 @@ enum Command {
     Export(export::ExportArgs),
     /// Bake textures for shells and fins: layers, fin, levels of detail, mips, manifest.
     Bake(bake::BakeArgs),
+    /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
+    Lapped(lapped::LappedArgs),
     /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
@@ -105,6 +108,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Devices(args) => devices::run(args),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Bake(args) => bake::run(args, &cli.global),
+        Command::Lapped(args) => lapped::run(args, &cli.global),
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),

@@ -56,6 +56,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     let display = Display::new(global.progress, global.quiet);
     let show = |progress| display.update(progress);
     let options = RenderOptions {
+        moment: None,
         crop: args.cropwindow,
         aovs: args.outfile.iter().any(exr) || world.scene.camera.lens.is_some(),
         progress: Some(&show),

@@ -25,6 +25,11 @@ pub struct LappedSpec {
     pub overlapping: bool,
 }
 
+impl LappedSpec {
+    /// The default radius as part of the square root of the skin's area.
+    pub const RADIUS: f64 = 1.0 / 17.0;
+}
+
 impl Default for LappedSpec {
     fn default() -> Self {
         Self {
@@ -39,7 +44,7 @@ impl Default for LappedSpec {
 }
 
 /// Where the direction field on the skin comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSource {
     /// The smoothest field that the skin allows.
@@ -258,6 +263,9 @@ pub struct Shells {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent (Lengyel et al. 2001); false: they only test it (NVIDIA's sample).
     pub depth_write: bool,
+    /// Coverage grows with the way that a look takes through a layer, and with the angle between it and the hairs; false: the texture's
+    /// coverage from every side, as in the works that drew shells first.
+    pub slanted: bool,
     /// Shells drawn, from the skin outwards; not given: all of the textures.
     #[schemars(range(min = 1, max = 128))]
     pub layers: Option<u32>,
@@ -295,6 +303,7 @@ impl Default for Shells {
             fade: FinFade::Cosine,
             fin_threshold: 0.25,
             depth_write: true,
+            slanted: true,
             layers: None,
             spacing: None,
             length: Scalar::Constant(1.0),
