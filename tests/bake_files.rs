@@ -241,14 +241,14 @@ fn blocks_are_near_and_wrong_ones_are_noticed() {
     for (w, h) in [(128, 128), (64, 32), (10, 6), (2, 1)] {
         let (a, b) =
             (compress::rgba8(&layer(w, h, 0, 1)), compress::rgba8(&rolled(&layer(w, h, 0, 1), 1, 0)));
-        for (encoding, least) in [(Encoding::Bc3, 24.0), (Encoding::Bc7, 30.0)] {
+        for (encoding, least) in [(Encoding::Bc3, 32.0), (Encoding::Bc7, 34.0)] {
             let blocks = compress::blocks(encoding, [w, h], &a, true).unwrap();
             assert_eq!(blocks.len() as u64, encoding.layer_bytes([w, h]));
             let back = compress::from_blocks(encoding, [w, h], &blocks).unwrap();
             let (psnr, wrong) = (compress::psnr(&a, &back), compress::psnr(&b, &back));
             println!("{w} x {h} {encoding:?}: {psnr:.1} dB; shifted by a texel {wrong:.1} dB");
             assert!(psnr > least, "{w} x {h} {encoding:?}: {psnr} dB");
-            assert!(w < 16 || wrong < least - 8.0, "a shifted picture has {wrong} dB");
+            assert!(w < 16 || wrong < least - 12.0, "a shifted picture has {wrong} dB");
         }
     }
     assert_eq!(compress::psnr(&[1, 2], &[1, 2]), f64::INFINITY);
@@ -495,8 +495,12 @@ fn broken_folders_are_refused_by_name() {
 
     for (from, to, parts) in [
         ("\"version\": 1", "\"version\": 9", &["version 9", "expected 1"][..]),
-        ("\"layers\": 3,\n  \"lods\"", "\"layers\": 4,\n  \"lods\"", &["layer 3", "--formats exr"]),
-        ("\"layers\": 3,\n  \"lods\"", "\"layers\": 0,\n  \"lods\"", &["0 layers"]),
+        (
+            "\"layers\": 3,\n  \"resolution\"",
+            "\"layers\": 4,\n  \"resolution\"",
+            &["layer 3", "--formats exr"],
+        ),
+        ("\"layers\": 3,\n  \"resolution\"", "\"layers\": 0,\n  \"resolution\"", &["0 layers"]),
         ("\"spacing\"", "\"gap\"", &["spacing", "again"]),
         ("{", "(", &["manifest.json", "line 1"]),
     ] {
