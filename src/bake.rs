@@ -1,5 +1,6 @@
 //! Textures of hair for shells and fins: made from a groom, a particle system or dots, and written for real-time clients.
 
+pub mod gltf;
 mod manifest;
 
 pub use manifest::{LayerSummary, Manifest};
