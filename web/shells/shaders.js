@@ -102,9 +102,7 @@ export const fins = {
     in float seen;
     out vec4 result;
     void main() {
-      // v does not wrap around: kept away from the border by half a texel.
-      float half_texel = 0.5 / float(textureSize(fin, 0).y);
-      vec4 hair = texture(fin, vec3(at.x, clamp(at.y, half_texel, 1.0 - half_texel), 0));
+      vec4 hair = texture(fin, vec3(at, 0));
       result = seen * vec4(hair.rgb * shade, hair.a);
     }`),
 };
