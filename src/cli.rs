@@ -10,6 +10,7 @@ mod compare;
 mod devices;
 mod export;
 mod figure;
+mod frames;
 mod interrupt;
 mod output;
 mod progress;
