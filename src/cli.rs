@@ -12,6 +12,7 @@ mod export;
 mod figure;
 mod frames;
 mod interrupt;
+mod lapped;
 mod output;
 mod progress;
 mod render;
@@ -61,6 +62,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Write the strands and the mesh of a scene for other renderers.
     Export(export::ExportArgs),
+    /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
+    Lapped(lapped::LappedArgs),
     /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
@@ -102,6 +105,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Schema => schema::run(),
         Command::Devices(args) => devices::run(args),
         Command::Export(args) => export::run(args, &cli.global),
+        Command::Lapped(args) => lapped::run(args, &cli.global),
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),

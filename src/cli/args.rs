@@ -89,7 +89,8 @@ impl SceneArgs {
     }
 }
 
-fn key_value(text: &str) -> Result<String, String> {
+/// `key.path=value`, the argument of `-D`.
+pub(super) fn key_value(text: &str) -> Result<String, String> {
     Override::parse(text).map(|_| text.to_owned()).map_err(|_| "expected key.path=value".into())
 }
 

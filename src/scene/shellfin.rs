@@ -25,6 +25,11 @@ pub struct LappedSpec {
     pub overlapping: bool,
 }
 
+impl LappedSpec {
+    /// The default radius as part of the square root of the skin's area.
+    pub const RADIUS: f64 = 1.0 / 17.0;
+}
+
 impl Default for LappedSpec {
     fn default() -> Self {
         Self {
@@ -39,7 +44,7 @@ impl Default for LappedSpec {
 }
 
 /// Where the direction field on the skin comes from.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSource {
     /// The smoothest field that the skin allows.

@@ -1,0 +1,106 @@
+//! Flattening: the least-squares fit of a patch to the directions on its faces.
+
+use super::{
+    grow::{Region, Seed},
+    solve::{Complex, Factor},
+    surface::Surface,
+};
+use faer::Mat;
+use glam::{DVec2, Vec2};
+
+/// Largest stretch of a face in any direction, and of its area, and the inverse of the smallest.
+pub(super) const LIMIT: f64 = 2.0;
+
+/// A flat patch.
+pub(super) struct Flat {
+    /// uv of the corners of each face, cm.
+    pub corner_uv: Vec<[Vec2; 3]>,
+    /// How each face came to lie.
+    pub maps: Vec<Map>,
+}
+
+impl Flat {
+    /// The faces that are flipped or stretched past the limit, by their place in the patch.
+    pub fn bad(&self) -> Vec<usize> {
+        (0..self.maps.len()).filter(|i| !self.maps[*i].is_within_limits()).collect()
+    }
+}
+
+/// The map from a face, its direction of hair along the first axis, to uv.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Map {
+    /// Largest and smallest singular value; the smallest is negative where the face is flipped.
+    pub stretch: [f64; 2],
+    /// Angle between the image of the direction and u, radians.
+    pub angle: f64,
+}
+
+impl Map {
+    /// From the face's corners to their uv.
+    pub fn of(from: &[DVec2; 3], to: &[Vec2; 3]) -> Self {
+        let to = to.map(|p| p.as_dvec2());
+        let (a, b) = (from[1] - from[0], from[2] - from[0]);
+        let (p, q) = (to[1] - to[0], to[2] - to[0]);
+        // J [a b] = [p q].
+        let inverse = 1.0 / a.perp_dot(b);
+        let x = (p * b.y - q * a.y) * inverse;
+        let y = (q * a.x - p * b.x) * inverse;
+        let turn = DVec2::new(x.x + y.y, x.y - y.x).length() / 2.0;
+        let mirror = DVec2::new(x.x - y.y, x.y + y.x).length() / 2.0;
+        Self { stretch: [turn + mirror, turn - mirror], angle: x.y.atan2(x.x) }
+    }
+
+    /// Neither flipped nor stretched past [`LIMIT`].
+    pub fn is_within_limits(&self) -> bool {
+        let [most, least] = self.stretch;
+        let area = most * least;
+        most <= LIMIT && least >= 1.0 / LIMIT && (1.0 / LIMIT..=LIMIT).contains(&area)
+    }
+}
+
+/// Flattens a region so that on each face u grows along its direction and v across, both by 1 cm a cm, as far as this can
+/// be; then the seed's centre goes to the origin. `None` where the system cannot be solved.
+// [Praun2000] sec. 4: min sum_f |phi(S_f) - s|² + |phi(T_f) - t|²
+// DEVIATION: faces count by their area, so that the fit does not hang on how the surface is cut into triangles. The
+// system is that of the cotangent Laplacian then.
+pub(super) fn flatten(surface: &Surface, region: &Region, seed: &Seed) -> Option<Flat> {
+    let vertices = region.uv.len();
+    // Corner 0 of the seed stays at the origin: without a vertex that is held, the system is singular.
+    let held = region.corners[0][0];
+    let row = |v: u32| (v as usize) - usize::from(v > held);
+    let mut entries = Vec::with_capacity(12 * region.faces.len());
+    let mut right = Mat::<f64>::zeros(vertices - 1, 2);
+    for (i, corners) in region.corners.iter().enumerate() {
+        let shape = turned(surface, region, i);
+        for k in 0..3 {
+            let (a, b, c) = (shape[(k + 1) % 3], shape[(k + 2) % 3], shape[k]);
+            let weight = 0.5 * (a - c).dot(b - c) / (a - c).perp_dot(b - c);
+            let (i, j) = (corners[(k + 1) % 3], corners[(k + 2) % 3]);
+            for (v, w, side) in [(i, j, a - b), (j, i, b - a)] {
+                if v == held {
+                    continue;
+                }
+                entries.push((row(v), row(v), weight));
+                if w != held && row(v) > row(w) {
+                    entries.push((row(v), row(w), -weight));
+                }
+                right[(row(v), 0)] += weight * side.x;
+                right[(row(v), 1)] += weight * side.y;
+            }
+        }
+    }
+    Factor::new(vertices - 1, entries.into_iter())?.solve(&mut right);
+    let at = |v: u32| {
+        if v == held { DVec2::ZERO } else { DVec2::new(right[(row(v), 0)], right[(row(v), 1)]) }
+    };
+    let first = region.corners[0].map(at);
+    let center = first[0] + (first[1] - first[0]) * seed.center.x + (first[2] - first[0]) * seed.center.y;
+    let corner_uv: Vec<_> = region.corners.iter().map(|c| c.map(|v| (at(v) - center).as_vec2())).collect();
+    let maps = (0..region.faces.len()).map(|i| Map::of(&turned(surface, region, i), &corner_uv[i])).collect();
+    Some(Flat { corner_uv, maps })
+}
+
+fn turned(surface: &Surface, region: &Region, i: usize) -> [DVec2; 3] {
+    let direction: Complex = region.directions[i];
+    surface.frames[region.faces[i] as usize].turned(direction)
+}
