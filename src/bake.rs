@@ -1,13 +1,20 @@
 //! Textures of hair for shells and fins: made from a groom, a particle system or dots, and written for real-time clients.
 
+pub mod compress;
 mod dots;
 mod fin;
 pub mod gltf;
 mod guard;
 mod hybrid;
+mod io;
+pub mod ktx2;
+pub mod lod;
 mod manifest;
 mod means;
+pub mod memory;
+pub mod mips;
 mod particles;
+mod png;
 mod stamp;
 mod strand;
 mod torus;
@@ -15,7 +22,10 @@ mod undercoat;
 mod voxels;
 
 pub use fin::fin;
-pub use manifest::{LayerSummary, Manifest};
+pub use io::{Format, MANIFEST, WriteOptions, check, check_folder, load, load_manifest, write};
+pub use manifest::{
+    Content, FileEntry, LayerSummary, LodEntry, Manifest, ManifestFile, Texels, manifest_schema,
+};
 pub use strand::{Fur, Hair, Knot};
 pub use voxels::{Block, Keep, Voxels, voxelise};
 
