@@ -9,6 +9,7 @@
 //! | `TEXCOORD_1` (or `_0` for a skin without uv) | place in the fur's textures, one unit a repeat; v upwards, as in the textures |
 //! | `COLOR_0` | colour of the bare skin, linear |
 //! | `_FUR` | from the skin to the tip of the longest hair, cm |
+//! | `_FUR_1`, `_FUR_2` | inner control points of its Bézier curve, relative to the skin, cm |
 //! | `_FUR_COLOR` | factor on the textures' colour |
 //!
 //! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings, view and lights.
@@ -82,7 +83,9 @@ pub struct ShellSettings {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent.
     pub depth_write: bool,
-    /// Shells drawn, from the skin outwards; layer l stands at (l + 0.5) / `manifest.layers` of `_FUR`.
+    /// Coverage grows with the way that a look takes through a layer.
+    pub slanted: bool,
+    /// Shells drawn, from the skin outwards; layer l stands at the height (l + 0.5) / `manifest.layers` of the hair.
     pub layers: u32,
     /// The lighting table.
     pub table: LightingTable,
@@ -147,6 +150,7 @@ fn settings(world: &World, manifest: &Manifest) -> (ShellSettings, View) {
         fade: shells.fade,
         fin_threshold: shells.fin_threshold,
         depth_write: shells.depth_write,
+        slanted: shells.slanted,
         layers: shells.layers.unwrap_or(manifest.layers).min(manifest.layers),
         table: shells.table.clone(),
     };
@@ -183,7 +187,9 @@ fn document(
         "POSITION": position,
         "NORMAL": bin.floats(clothed.normals.iter().map(Vec3::to_array)),
         "COLOR_0": bin.floats(clothed.skin_colors.iter().map(Vec3::to_array)),
-        "_FUR": bin.floats(clothed.tips.iter().map(Vec3::to_array)),
+        "_FUR": bin.floats(clothed.hairs.iter().map(|h| h[2].to_array())),
+        "_FUR_1": bin.floats(clothed.hairs.iter().map(|h| h[0].to_array())),
+        "_FUR_2": bin.floats(clothed.hairs.iter().map(|h| h[1].to_array())),
         "_FUR_COLOR": bin.floats(clothed.fur_colors.iter().map(Vec3::to_array)),
     });
     let fur_texcoord = u32::from(clothed.skin_uv.is_some());

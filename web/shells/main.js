@@ -19,7 +19,7 @@ async function main() {
   ]);
   const view = { ...fur.view, ...own };
   const set = fur.shells;
-  for (const key of ['shells', 'fins', 'depth_write']) if (query.has(key)) set[key] = query.get(key) === '1';
+  for (const key of ['shells', 'fins', 'depth_write', 'slanted']) if (query.has(key)) set[key] = query.get(key) === '1';
 
   const skinGeometry = gltf.scene.getObjectByName('fur').geometry; // In cm: the node's scale to metres is left out.
   const shellGeometry = Object.assign(new THREE.InstancedBufferGeometry().copy(skinGeometry), { instanceCount: set.layers });
@@ -29,7 +29,7 @@ async function main() {
     uniforms: {
       layers: { value: layers }, fin: { value: fin }, lights: { value: lights }, table: { value: set.table },
       eye: { value: camera.position }, count: { value: fur.manifest.layers }, drawn: { value: set.layers },
-      fade: { value: ['cosine', 'threshold', 'both'].indexOf(set.fade) }, threshold: { value: set.fin_threshold },
+      slanted: { value: set.slanted }, fade: { value: ['cosine', 'threshold', 'both'].indexOf(set.fade) }, threshold: { value: set.fin_threshold },
     }, ...more,
   });
   const blend = { // Colours are premultiplied.

@@ -2,12 +2,12 @@
 
 use super::Manifest;
 use crate::{
-    Error, Result, World,
+    Error, Result, Skin, World,
     lapped::Lapped,
     maps::VERTEX_COLOR,
     mesh::topology,
     reference::hash::{hash2, random},
-    scene::{Channel, Color, Mapping, Scalar, Shells},
+    scene::{BakeSource, Channel, Color, Mapping, Scalar},
     skin::NONE,
 };
 use glam::{Vec2, Vec3};
@@ -28,8 +28,9 @@ pub struct Clothed {
     pub skin_colors: Vec<Vec3>,
     /// Factor on the textures' colour.
     pub fur_colors: Vec<Vec3>,
-    /// From the skin to the tip of the longest hair, cm.
-    pub tips: Vec<Vec3>,
+    /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one lies) to the tip, relative to the
+    /// skin, cm. A shell at height s (0..1) passes through the curve's point at s.
+    pub hairs: Vec<[Vec3; 3]>,
     /// The vertex of the skin that each vertex was split from.
     pub origin: Vec<u32>,
     /// Faces, in the skin's order.
@@ -54,7 +55,8 @@ pub struct FinEdge {
 pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clothed> {
     let skin = &world.skin;
     let by_uv = world.scene.shells.mapping == Mapping::Uv;
-    let corners = if by_uv { skin.corner_uv.as_ref() } else { Some(&lapped.corner_uv) };
+    let own = if by_uv { uv_in_cm(skin) } else { None };
+    let corners = if by_uv { own.as_ref() } else { Some(&lapped.corner_uv) };
     let corners = corners.ok_or_else(|| {
         Error::Check(
             "shells.mapping is \"uv\", and the mesh has no uv: use \"lapped\", or a mesh with uv".into(),
@@ -67,7 +69,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
             skin.triangles.len()
         )));
     }
-    let edges = if by_uv { [1.0; 2] } else { manifest.patch };
+    let edges = manifest.patch;
     let spacing = world.scene.shells.spacing.unwrap_or(manifest.spacing);
     for (name, value) in [
         ("patch", edges[0]),
@@ -81,6 +83,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
         }
     }
     let height = spacing * manifest.layers as f32;
+    let curved = manifest.source == BakeSource::Hybrid;
     let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
     let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (t, triangle) in skin.triangles.iter().enumerate() {
@@ -109,7 +112,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
             clothed.skin_uv.as_mut().into_iter().for_each(|all| all.extend(uv));
             clothed.skin_colors.push(color(world, "base.color", &world.scene.base.color, &at)?);
             clothed.fur_colors.push(color(world, "shells.color", &shells.color, &at)?);
-            clothed.tips.push(height * length * direction(shells, &at));
+            clothed.hairs.push(hair(world, curved, &at)?.map(|p| height * length * p));
             clothed.origin.push(*v);
         }
         clothed.triangles.push(face);
@@ -117,16 +120,42 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     Ok(clothed)
 }
 
-/// Direction of the hair: the normal, sheared by the comb and the brushes, of unit length.
-// [Lengyel2001] sec. 4, Hair direction
-// DEVIATION: hairs keep their length when they are combed, as hairs do; a plain shear would draw them out.
-fn direction(shells: &Shells, at: &Point) -> Vec3 {
-    let brushes = shells.brushes.iter().map(|b| {
-        let x = (at.position.distance(b.center.into()) / b.radius).min(1.0);
-        (1.0 - x * x * (3.0 - 2.0 * x)) * Vec3::from(b.direction)
+/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes. Where the textures are baked from the groom
+/// (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as high as the fur.
+// [Lengyel2001] sec. 4.4
+fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
+    let (shells, guard) = (&world.scene.shells, &world.scene.guard);
+    let n = at.normal;
+    let strokes = shells.brushes.iter().map(|b| {
+        let d = at.position.distance(b.center.into()) / b.radius;
+        (1.0 - d * d).max(0.0).powi(2) * Vec3::from(b.direction)
     });
-    let comb = Vec3::from(shells.comb) + brushes.sum::<Vec3>();
-    (at.normal + comb - at.normal * at.normal.dot(comb)).normalize_or(at.normal)
+    let mut lean = Vec3::from(shells.comb) + strokes.sum::<Vec3>();
+    if curved {
+        let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
+        lean += comb * scalar(world, "guard.comb", &guard.comb, at)?;
+    }
+    lean -= n * n.dot(lean);
+    if !curved {
+        let tip = n + lean;
+        return Ok([tip / 3.0, tip * (2.0 / 3.0), tip]);
+    }
+    // As shaders/guard_strands.wgsl.
+    let fall = Vec3::NEG_Y * guard.gravity;
+    let above = |p: Vec3| p - n * p.dot(n).min(0.0);
+    let p1 = (n + 0.5 * lean).normalize_or(n) / 3.0;
+    let p2 = above(p1 + (n + 0.9 * lean + 0.35 * fall).normalize_or(n) / 3.0);
+    let p3 = above(p2 + (n + 1.25 * lean + fall).normalize_or(n) / 3.0);
+    let scale = 1.0 / p3.dot(n).max(0.25);
+    Ok([p1 * scale, p2 * scale, p3 * scale])
+}
+
+/// The skin's own uv, scaled so that one unit is a centimetre on the average of the area; `None` without uv.
+fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
+    let uv = skin.corner_uv.as_ref()?;
+    let flat: f64 = uv.iter().map(|[a, b, c]| 0.5 * f64::from((*b - *a).perp_dot(*c - *a).abs())).sum();
+    let scale = (skin.area() / flat.max(1e-12)).sqrt() as f32;
+    Some(uv.iter().map(|corners| corners.map(|p| p * scale)).collect())
 }
 
 /// All edges, once each (an edge of more than two faces once a face), in the order of faces. The place in the texture is random for
@@ -134,7 +163,6 @@ fn direction(shells: &Shells, at: &Point) -> Vec3 {
 // [Lengyel2001] sec. 4.2
 pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEdge> {
     let topology = topology::neighbours(&world.skin.triangles);
-    let seed = world.scene.render.seed;
     let mut edges = Vec::with_capacity(topology.edges);
     for (t, (face, neighbours)) in clothed.triangles.iter().zip(&topology.neighbours).enumerate() {
         for (k, other) in neighbours.iter().enumerate() {
@@ -149,7 +177,7 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
                 .get(*other as usize)
                 .and_then(|f| f.iter().copied().find(|i| ![a, b].contains(&clothed.origin[*i as usize])));
             let length = clothed.positions[ends[0] as usize].distance(clothed.positions[ends[1] as usize]);
-            let start = random(hash2(seed, a.min(b)), a.max(b));
+            let start = random(hash2(a, b), 0);
             edges.push(FinEdge {
                 ends,
                 opposite: [face[k], beyond.unwrap_or(NONE)],
