@@ -102,6 +102,7 @@ pub mod provenance;
 pub mod reference;
 pub mod render;
 pub mod scene;
+pub mod shellfin;
 pub mod skin;
 pub mod stats;
 pub mod world;

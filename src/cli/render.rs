@@ -98,6 +98,7 @@ fn picture(
     let display = Display::new(global.progress, global.quiet);
     let show = |progress| display.update(progress);
     let options = RenderOptions {
+        moment: None,
         crop: args.cropwindow,
         aovs: outfile.iter().any(is_exr) || world.scene.camera.lens.is_some(),
         progress: Some(&show),

@@ -12,7 +12,7 @@ pub(super) fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
 }
 
 /// uv of any corner at each vertex.
-pub(super) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
+pub(crate) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     let mut of_vertex = vec![[0.0; 2]; skin.positions.len()];
     if let Some(uv) = &skin.corner_uv {
         for (triangle, uv) in skin.triangles.iter().zip(uv) {
