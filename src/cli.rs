@@ -4,6 +4,7 @@
 //! 3 the scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
+mod bake;
 mod bench;
 mod check;
 mod compare;
@@ -64,6 +65,8 @@ enum Command {
     Export(export::ExportArgs),
     /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
     Lapped(lapped::LappedArgs),
+    /// Bake textures for shells and fins: layers, fin, levels of detail, mips, manifest.
+    Bake(bake::BakeArgs),
     /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
@@ -106,6 +109,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Devices(args) => devices::run(args),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Lapped(args) => lapped::run(args, &cli.global),
+        Command::Bake(args) => bake::run(args, &cli.global),
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),

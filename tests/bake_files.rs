@@ -495,8 +495,12 @@ fn broken_folders_are_refused_by_name() {
 
     for (from, to, parts) in [
         ("\"version\": 1", "\"version\": 9", &["version 9", "expected 1"][..]),
-        ("\"layers\": 3,\n  \"lods\"", "\"layers\": 4,\n  \"lods\"", &["layer 3", "--formats exr"]),
-        ("\"layers\": 3,\n  \"lods\"", "\"layers\": 0,\n  \"lods\"", &["0 layers"]),
+        (
+            "\"layers\": 3,\n  \"resolution\"",
+            "\"layers\": 4,\n  \"resolution\"",
+            &["layer 3", "--formats exr"],
+        ),
+        ("\"layers\": 3,\n  \"resolution\"", "\"layers\": 0,\n  \"resolution\"", &["0 layers"]),
         ("\"spacing\"", "\"gap\"", &["spacing", "again"]),
         ("{", "(", &["manifest.json", "line 1"]),
     ] {

@@ -140,13 +140,16 @@ pub fn write(textures: &FurTextures, dir: &Path, options: &WriteOptions) -> Resu
         ),
     };
     let mut paths: Vec<_> = manifest.files.iter().map(|f| dir.join(&f.path)).collect();
-    let manifest = serde_json::to_value(&manifest)
-        .map_err(|e| Error::io(dir.join(MANIFEST), format!("cannot be written as JSON: {e}")))?;
-    for (name, json) in [(SCHEMA, manifest_schema()), (MANIFEST, manifest)] {
-        let path = dir.join(name);
-        write_buffered(&path, |out| Ok(writeln!(out, "{json:#}")?))?;
-        paths.push(path);
-    }
+    // A reader of the folder looks at the manifest first: it names files that are all there.
+    let path = dir.join(SCHEMA);
+    write_buffered(&path, |out| Ok(writeln!(out, "{:#}", manifest_schema())?))?;
+    paths.push(path);
+    let path = dir.join(MANIFEST);
+    write_buffered(&path, |out| {
+        serde_json::to_writer_pretty(&mut *out, &manifest)?;
+        Ok(writeln!(out)?)
+    })?;
+    paths.push(path);
     Ok(paths)
 }
 
