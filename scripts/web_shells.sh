@@ -35,7 +35,7 @@ out=$root/out/web_shells
 mkdir -p "$out/fur"
 scene=$root/web/shells/test.toml
 
-"$pelage" bake "$scene" -o "$out/fur" --gltf --quiet
+"$pelage" bake "$scene" -o "$out/fur" --formats ktx2 --gltf --quiet
 node "$root/web/shells/test.mjs" "$out/fur" "$out/page.png"
 "$pelage" render "$scene" --fur shells -o "$out/pelage.png" --quiet
 "$pelage" compare "$out/page.png" "$out/pelage.png" --threshold-flip "$most_flip" -o "$out/flip.png"
