@@ -3,6 +3,7 @@
 pub mod compress;
 mod dots;
 mod fin;
+pub mod gltf;
 mod guard;
 mod hybrid;
 mod io;

@@ -6,9 +6,10 @@ use super::{
     output::{self, count, human_bytes},
 };
 use crate::{
-    Result, World,
+    Error, Result, World,
     bake::{self, Content, Format, ManifestFile, WriteOptions, mips::Keep},
     film::Metadata,
+    lapped,
     scene::{BakeSource, Override},
 };
 use clap::{Args, ValueEnum};
@@ -40,6 +41,9 @@ pub(super) struct BakeArgs {
     /// mean coverage, for blended ones.
     #[arg(long, value_name = "COVERAGE", value_parser = share)]
     alpha_test: Option<f32>,
+    /// Write fur.gltf besides: the skin with hair, edges for fins and the scene's view, for real-time clients (web/shells shows it).
+    #[arg(long)]
+    gltf: bool,
     /// Print the manifest as JSON instead of the table.
     #[arg(long)]
     json: bool,
@@ -55,6 +59,11 @@ fn share(text: &str) -> Result<f32, String> {
 /// Bakes textures and prints what they take.
 pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load_with(args.overrides())?;
+    if args.gltf && !args.formats.contains(&Format::Ktx2) {
+        return Err(Error::Usage(
+            "--gltf: the glTF names the uncompressed KTX2 arrays, add ktx2 to --formats".into(),
+        ));
+    }
     bake::check_folder(&args.outdir)?;
     let world = World::load(scene, &assets)?;
     if !global.quiet {
@@ -69,11 +78,15 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
         keep: args.alpha_test.map_or(Keep::Mean, Keep::Share),
         metadata,
     };
-    let files = bake::write(&textures, &args.outdir, &options)?;
+    let mut files = bake::write(&textures, &args.outdir, &options)?;
+    if args.gltf {
+        let lapped = lapped::lap(&world.skin, &world.scene)?;
+        files.extend(bake::gltf::write(&world, &lapped, &textures, &args.outdir)?);
+    }
     let manifest = bake::load_manifest(&args.outdir.join(bake::MANIFEST))?;
     if args.json {
         let json = serde_json::to_value(&manifest)
-            .map_err(|e| crate::Error::Check(format!("the manifest cannot be written as JSON: {e}")))?;
+            .map_err(|e| Error::Check(format!("the manifest cannot be written as JSON: {e}")))?;
         output::print_json(&json)
     } else if global.quiet {
         Ok(())
