@@ -67,10 +67,6 @@ enum Command {
     Bake(bake::BakeArgs),
     /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
     Lapped(lapped::LappedArgs),
-    /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
-    Lapped(lapped::LappedArgs),
-    /// Bake textures for shells and fins: layers, fin, levels of detail, mips, manifest.
-    Bake(bake::BakeArgs),
     /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
@@ -114,8 +110,6 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Export(args) => export::run(args, &cli.global),
         Command::Bake(args) => bake::run(args, &cli.global),
         Command::Lapped(args) => lapped::run(args, &cli.global),
-        Command::Lapped(args) => lapped::run(args, &cli.global),
-        Command::Bake(args) => bake::run(args, &cli.global),
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),
