@@ -16,7 +16,7 @@ use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
 use occluders::bvh;
 use std::sync::Arc;
-pub(crate) use surface::vertex_uv;
+pub(crate) use surface::{shell_normals, vertex_uv};
 use surface::{corner_uv, skin_vertices, subdivide};
 
 /// A skin with its fur on the GPU.

@@ -195,7 +195,7 @@ fn every_edge_stands_once_with_both_faces() {
                     .map(|t| t.map(at))
                     .any(|t| (0..3).any(|k| [t[k], t[(k + 1) % 3], t[(k + 2) % 3]] == wanted))
             };
-            if seen.len() % 37 == 0 {
+            if seen.len().is_multiple_of(37) {
                 assert!(face(edge[0], edge[1], edge[2]));
                 assert!(edge[3] == NONE || face(edge[1], edge[0], edge[3]));
             }

@@ -44,7 +44,7 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
-fn is_exr(path: &PathBuf) -> bool {
+fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
@@ -100,7 +100,7 @@ fn picture(
     let options = RenderOptions {
         moment: None,
         crop: args.cropwindow,
-        aovs: outfile.iter().any(is_exr) || world.scene.camera.lens.is_some(),
+        aovs: outfile.iter().any(|path| is_exr(path)) || world.scene.camera.lens.is_some(),
         progress: Some(&show),
         cancel: Some(cancel),
     };

@@ -32,7 +32,7 @@ const shared = /* glsl */ `
 const vertex = (body) => /* glsl */ `#include <common>\n${shared}${body}`;
 const fragment = vertex;
 
-/** The bare skin: Lambertian, as dark as the innermost hair. */
+/** The bare skin: Lambertian. */
 export const skin = {
   vertexShader: vertex(/* glsl */ `
     in vec3 color;
@@ -40,7 +40,7 @@ export const skin = {
     void main() {
       vec3 sum = vec3(0);
       for (int i = 0; i < LIGHTS; ++i) sum += lights[i].irradiance * max(0.0, dot(normal, lights[i].direction));
-      shade = color * selfShadow(0.0) * sum / PI;
+      shade = color * sum / PI;
       gl_Position = projectionMatrix * viewMatrix * vec4(position, 1);
     }`),
   fragmentShader: fragment(/* glsl */ `

@@ -2,10 +2,11 @@
 
 use super::Manifest;
 use crate::{
-    Error, Result, Skin, World,
+    Error, Result, Skin, World, groom,
     lapped::Lapped,
     maps::VERTEX_COLOR,
     mesh::topology,
+    prepare,
     reference::hash::{hash2, random},
     scene::{BakeSource, Channel, Color, Mapping, Scalar},
     skin::NONE,
@@ -84,6 +85,8 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     }
     let height = spacing * manifest.layers as f32;
     let curved = manifest.source == BakeSource::Hybrid;
+    // Those along which `pelage render --fur shells` raises the shells.
+    let upright = prepare::shell_normals(skin, groom::pack(world)?.fur.height);
     let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
     let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (t, triangle) in skin.triangles.iter().enumerate() {
@@ -101,6 +104,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
             let at = Point {
                 position: skin.positions[*v as usize],
                 normal: skin.normals[*v as usize],
+                upright: upright[*v as usize],
                 uv,
                 color: skin.colors[*v as usize],
             };
@@ -125,7 +129,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
 // [Lengyel2001] sec. 4.4
 fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
     let (shells, guard) = (&world.scene.shells, &world.scene.guard);
-    let n = at.normal;
+    let n = at.upright;
     let strokes = shells.brushes.iter().map(|b| {
         let d = at.position.distance(b.center.into()) / b.radius;
         (1.0 - d * d).max(0.0).powi(2) * Vec3::from(b.direction)
@@ -192,6 +196,8 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
 struct Point {
     position: Vec3,
     normal: Vec3,
+    /// Direction of upright hair, unit: the normal without what is finer than the fur is high.
+    upright: Vec3,
     uv: Option<Vec2>,
     color: Vec3,
 }
