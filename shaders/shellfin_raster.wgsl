@@ -221,8 +221,9 @@ fn fin_fade(edge: FinEdge) -> f32 {
     if edge.opposite.y != NO_LAYER {
         n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
     }
-    // [Lengyel2001] sec. 4.2
-    let across = normalize(cross(normalize(b - a), n1 + n2 + 1e-4 * shell_vertices[edge.a].normal));
+    // [Lengyel2001] sec. 4.2; DEVIATION: with the normals along which the fur stands instead of those of the two faces, or every dent
+    // of a scanned skin would raise fins
+    let across = normalize(cross(normalize(b - a), shell_vertices[edge.a].normal + shell_vertices[edge.b].normal));
     let cosine = max(0.0, 2.0 * abs(dot(across, view)) - 1.0);
     if shellfin.fade == 0u {
         return cosine;
@@ -272,10 +273,8 @@ fn fin_fragment(in: FinVarying) -> @location(0) vec4f {
     if GUARD {
         guard = textureSample(fin, upright, in.uv, 1);
     }
-    var out = lit_color(whole, guard, Lit(in.undercoat, in.guard));
-    // A fin stands for more fur than its texture shows.
-    let coverage = 1.0 - pow(max(1.0 - out.a, 0.0), shellfin.fin_slant);
-    out = vec4f(out.rgb * in.tint * coverage / max(out.a, 1e-4), coverage) * in.fade;
+    let lit = lit_color(whole, guard, Lit(in.undercoat, in.guard));
+    let out = vec4f(lit.rgb * in.tint, lit.a) * in.fade;
     if out.a < LEAST_COVERAGE {
         discard;
     }

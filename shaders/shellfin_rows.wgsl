@@ -58,7 +58,12 @@ fn root_of(v: u32) -> Root {
         lean += w * w * brushes[i].direction;
     }
     lean -= at.normal * dot(lean, at.normal);
-    return Root(at, lean, shellfin.height * max(0.0, scalar(SHELL_LENGTH, at)));
+    var height = shellfin.height * max(0.0, scalar(SHELL_LENGTH, at));
+    if shellfin.curved == 1u {
+        // Where the undercoat was lowered, because it would fold over, so are the shells.
+        height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
+    }
+    return Root(at, lean, height);
 }
 
 // Where the hair is at row height s, relative to its root, by the height of the fur.

@@ -119,6 +119,7 @@ pub fn bake(world: &World) -> Result<FurTextures> {
         fin_resolution: spec.fin_resolution,
         patch: block.patch,
         fin_length: block.patch[0],
+        fin_depth: spec.fin_slab * block.patch[1],
         height: block.height,
         spacing: block.height / spec.layers as f32,
         summary: voxels.layers.iter().zip(&voxels.optical_depth).map(|(t, d)| summary(t, *d)).collect(),

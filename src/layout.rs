@@ -217,7 +217,7 @@ shared! {
         spread: f32,
         guard: u32,
         edge_fade: f32,
-        fin_slant: f32,
+        padding: u32,
     }
     /// `shared/shellfin_types.wgsl`
     struct ShellRow {

@@ -13,7 +13,7 @@ pub use geometry::{corners, edges};
 pub use picture::{Pictures, render};
 pub use rows::{FIN_ROWS, levels, rows};
 pub use table::{hair_lighting, lighting_table};
-pub use textures::Means;
+pub use textures::{Means, deepened};
 
 use crate::bake::FurTextures;
 use crate::gpu::recorder::{RasterTargets, Timings};
@@ -30,6 +30,9 @@ use glam::Vec3;
 /// How far the direction of hairs strays that did not grow from the groom, tangent of the angle: seen along it they still hide something.
 const STRAY: f32 = 0.3;
 
+/// Depth of fur that a fin stands for, by the mean length of an edge: with it fins on a ball cover what its hybrid fur covers.
+const FIN_SPACING: f32 = 0.4;
+
 /// A fur as shells and fins on the GPU.
 pub struct Shellfins<'g> {
     gpu: &'g Gpu,
@@ -44,6 +47,8 @@ pub struct Shellfins<'g> {
     base: Shellfin,
     buffers: Vec<Buffer>,
     edges: u32,
+    /// Depth of fur that a fin stands for, by that of its texture.
+    pub fin_depth: f32,
     /// The middle of the skin's bounds, and their diameter, cm.
     bounds: (Vec3, f32),
 }
@@ -150,7 +155,6 @@ impl<'g> Shellfins<'g> {
             spread: scene.guard.spread.to_radians().tan(),
             guard: u32::from(!textures.guard.is_empty()),
             edge_fade: f32::from(u8::from(shells.slanted && shells.fins)),
-            fin_slant: if shells.slanted { geometry::mean_edge(skin, &fin_edges) / (scene.bake.fin_slab * manifest.patch[0]) } else { 1.0 },
             ..Shellfin::zeroed()
         };
         let (low, high) = skin.bounds();
@@ -167,7 +171,13 @@ impl<'g> Shellfins<'g> {
             shadow: shells.shadow.strength > 0.0,
             mapped: !matches!((&shells.color, &shells.length), (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))),
         };
-        let (uploaded, means) = textures::upload(gpu, textures)?;
+        let fin_depth = if shells.slanted {
+            FIN_SPACING * geometry::mean_edge(skin, &fin_edges) / manifest.fin_depth
+        } else {
+            1.0
+        };
+        let fins = deepened(textures, fin_depth);
+        let (uploaded, means) = textures::upload(gpu, textures, fins)?;
         Ok(Self {
             gpu,
             world,
@@ -179,6 +189,7 @@ impl<'g> Shellfins<'g> {
             layers: textures.layers.len() as u32,
             base,
             buffers,
+            fin_depth,
             edges: if shells.fins { fin_edges.len() as u32 } else { 0 },
             bounds: (0.5 * (low + high), (high - low).length()),
         })

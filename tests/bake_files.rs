@@ -65,6 +65,7 @@ fn textures(layers: u32, resolution: [u32; 2], fin: [u32; 2]) -> FurTextures {
             fin_resolution: fin,
             patch: [1.0, 1.1],
             fin_length: 1.0,
+            fin_depth: 0.1,
             height: 1.7,
             spacing: 1.7 / layers as f32,
             summary: vec![summary; layers as usize],

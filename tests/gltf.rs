@@ -40,6 +40,7 @@ fn textures() -> FurTextures {
             fin_resolution: [8, 4],
             patch: [PATCH; 2],
             fin_length: 2.0,
+            fin_depth: 0.1,
             height: 0.6,
             spacing: 0.2,
             summary: Vec::new(),

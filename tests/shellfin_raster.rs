@@ -56,6 +56,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let coarser = lod::coarser(&fur.textures);
     let layers: Vec<_> = fur.textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).cloned().collect();
     let guard: Vec<_> = fur.textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).cloned().collect();
+    let fins = pelage::shellfin::deepened(&fur.textures, fur.fur.fin_depth);
     let mut picture = Picture {
         shellfin: &fur.rows.shellfin,
         draws: fur.rows.draws,
@@ -68,7 +69,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
         row_vertices: &row_vertices,
         layers: &layers,
         guard_layers: &guard,
-        fin: [&fur.textures.fin, &fur.textures.fin_guard],
+        fin: [&fins[0], &fins[1]],
     };
     change(&mut picture);
     let found = words.into_iter().map(|words| {

@@ -21,7 +21,7 @@ struct Shellfin {
     spread: f32,             // tangent of the guard hairs' random lean
     guard: u32,              // 1: guard hairs have layers of their own
     edge_fade: f32,          // 1: shells fade where they are seen from the edge
-    fin_slant: f32,          // depth of fur that a fin stands for, by that of its texture
+    padding: u32,
 }
 
 struct ShellRow {

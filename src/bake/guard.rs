@@ -1,5 +1,6 @@
 //! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and gravity are left out; the renderer bends
-//! the shells along the combed hair.
+//! the shells along the combed hair. But a combed hair rises less: here all are as high as they are on the mean of the skin, and thicker by
+//! as much, so that each covers what it did.
 
 use super::means::SkinSamples;
 use super::strand::{Fur, Hair, Knot};
@@ -16,6 +17,8 @@ pub(super) struct GuardFur<'a> {
     /// Hairs that each stands for.
     weight: f32,
     length: f32,
+    /// Height of a combed hair's tip by its length.
+    rise: f32,
     thickness: f32,
     clump: f32,
     curl: f32,
@@ -39,6 +42,7 @@ impl<'a> GuardFur<'a> {
             count,
             weight,
             length,
+            rise: rise(guard, means),
             thickness: means.scalar(&guard.thickness),
             clump: means.scalar(&guard.clump).min(1.0),
             curl: means.scalar(&guard.curl),
@@ -76,6 +80,19 @@ impl<'a> GuardFur<'a> {
         });
         last.map_or(0.0, |bin| top * (bin + 1) as f32 / BINS as f32)
     }
+}
+
+/// Height of the tip of a hair of length 1 that is combed and bent as `guard` says, on the mean of the skin.
+fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
+    let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(&guard.comb);
+    let fall = Vec3::NEG_Y * guard.gravity;
+    let mean = means.over_normals(|n| {
+        let lean = comb.reject_from_normalized(n);
+        let up = |k: f32, fall: Vec3| (n + k * lean + fall).normalize_or(n).dot(n);
+        // No control point of the shader's curve lies below the skin.
+        ((up(0.5, Vec3::ZERO) + up(0.9, 0.35 * fall)).max(0.0) + up(1.25, fall)).max(0.0) / 3.0
+    });
+    mean.clamp(0.1, 1.0)
 }
 
 /// A whole number of hairs and how many of the wanted each stands for.
@@ -124,8 +141,8 @@ impl Fur for GuardFur<'_> {
                     .map(|(k, f)| (TAU * random(seed, k) + TAU * g.frizz_frequency * length * s * f).sin());
                 let across = pull * (s * s) + self.curl * s * curl + self.frizz * s * Vec2::from(wave);
                 Knot {
-                    offset: bezier + across.extend(0.0),
-                    diameter: self.thickness * diameter(g, s) * 1e-4,
+                    offset: bezier * Vec3::new(1.0, 1.0, self.rise) + across.extend(0.0),
+                    diameter: self.thickness * diameter(g, s) * 1e-4 / self.rise,
                     opacity: self.weight * g.opacity * (-g.tip_fade * s).exp(),
                     color: self.color(s, tone),
                 }

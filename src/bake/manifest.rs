@@ -26,6 +26,8 @@ pub struct Manifest {
     pub patch: [f32; 2],
     /// Length of one repeat of the fin along an edge, cm.
     pub fin_length: f32,
+    /// Thickness of the slab of fur that the fin shows, cm.
+    pub fin_depth: f32,
     /// Height of the fur, cm. Layer l is drawn at (l + 0.5) spacings.
     pub height: f32,
     /// Distance between layers, cm: height / layers.

@@ -91,6 +91,20 @@ impl<'a> SkinSamples<'a> {
         }
     }
 
+    /// Mean of a function of the skin's normal over its area.
+    pub fn over_normals(&self, f: impl Fn(Vec3) -> f32) -> f32 {
+        let skin = &self.world.skin;
+        let (mut sum, mut area) = (0.0, 0.0);
+        for t in 0..skin.triangles.len() {
+            let [a, b, c] = skin.corners(t);
+            if let Some(normal) = (b - a).cross(c - a).try_normalize() {
+                sum += f64::from(skin.triangle_area(t)) * f64::from(f(normal));
+                area += f64::from(skin.triangle_area(t));
+            }
+        }
+        (sum / area.max(1e-30)) as f32
+    }
+
     /// Length of one unit of uv on the skin, cm; `None` where the skin has none.
     pub fn uv_unit(&self) -> Option<f32> {
         let skin = &self.world.skin;

@@ -38,7 +38,7 @@ pub struct Picture<'a> {
     pub layers: &'a [Texture],
     /// The guard hairs' part; empty without.
     pub guard_layers: &'a [Texture],
-    /// The fin, and the guard hairs' part of it.
+    /// The fin, and the guard hairs' part of it, as deep as they are drawn.
     pub fin: [&'a Texture; 2],
 }
 
@@ -89,8 +89,8 @@ pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, e
     let border = edge.opposite[1] == NONE;
     let n1 = (b - a).cross(at(edge.opposite[0]) - a).normalize();
     let n2 = if border { n1 } else { (at(edge.opposite[1]) - a).cross(b - a).normalize() };
-    let average = n1 + n2 + 1e-4 * Vec3::from(vertices[edge.a as usize].normal);
-    let p = (b - a).normalize().cross(average).normalize().dot(view);
+    let [na, nb] = [edge.a, edge.b].map(|v| Vec3::from(vertices[v as usize].normal));
+    let p = (b - a).normalize().cross(na + nb).normalize().dot(view);
     let (c1, c2) = (n1.dot(view), n2.dot(view));
     let nearest = c1.abs().min(c2.abs());
     let on = c1 * c2 < 0.0 || border;
@@ -230,9 +230,7 @@ impl Picture<'_> {
     fn fin_color(&self, fade: f32, at: &Varying) -> Vec4 {
         let whole = bilinear(self.fin[0], at.uv, false);
         let guard = if self.shellfin.guard == 1 { bilinear(self.fin[1], at.uv, false) } else { Vec4::ZERO };
-        let color = lit(whole, guard, at);
-        let coverage = 1.0 - (1.0 - color.w).max(0.0).powf(self.shellfin.fin_slant);
-        (color.truncate() * coverage / color.w.max(1e-4)).extend(coverage) * fade
+        lit(whole, guard, at) * fade
     }
 
     /// The samples of the tile, row by row.

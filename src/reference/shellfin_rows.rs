@@ -117,7 +117,11 @@ impl Hair<'_> {
     pub fn vertex(&self, v: usize, row: &ShellRow) -> RowVertex {
         let at = self.point(v);
         let n = at.normal;
-        let length = self.shellfin.height * self.maps.scalar(Parameter::ShellLength, &at).max(0.0);
+        let mut length = self.shellfin.height * self.maps.scalar(Parameter::ShellLength, &at).max(0.0);
+        if self.shellfin.curved == 1 {
+            let whole = self.maps.scalar(Parameter::UndercoatHeight, &at).max(1e-4);
+            length *= (self.vertices[v].height / whole).clamp(0.0, 1.0);
+        }
         let offset = self.hair(v, row.height) * length;
         let position = at.position + offset;
         let along = self.hair(v, row.height + 0.02) - self.hair(v, (row.height - 0.02).max(0.0));

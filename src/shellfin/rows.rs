@@ -5,8 +5,8 @@ use crate::layout::ShellRow;
 use crate::scene::Shells;
 use crate::skin::NONE;
 
-/// Rows of a fin, skin and tip included.
-pub const FIN_ROWS: u32 = 5;
+/// Rows of a fin, skin and tip included: light falls off fast into the fur, and between rows it is interpolated.
+pub const FIN_ROWS: u32 = 9;
 
 /// Number of layers of each level of detail, the finest first: each has half as many, rounded up, down to one.
 pub fn levels(layers: u32) -> Vec<u32> {

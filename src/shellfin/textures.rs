@@ -32,8 +32,27 @@ pub struct Means {
     pub share: f32,
 }
 
-/// Uploads all levels of detail with their mips.
-pub(super) fn upload(gpu: &Gpu, textures: &FurTextures) -> Result<(Uploaded, Vec<Means>)> {
+/// Rows of texels that a fin keeps in its coarsest mip: the light on it changes much from skin to tip, so that what lies at different
+/// heights must not be mixed.
+const FIN_TEXELS: u32 = 8;
+
+/// The fin and the guard hairs' part of it, of a slab of fur `times` as deep. It is done before mips are made: what the mean lets through to
+/// that power would be less.
+pub fn deepened(textures: &FurTextures, times: f32) -> [Texture; 2] {
+    let factor = |coverage: f32| (1.0 - (1.0 - coverage).max(0.0).powf(times)) / coverage.max(1e-6);
+    let scaled = |part: &Texture| {
+        let texels = part.texels.iter().zip(&textures.fin.texels);
+        Texture { texels: texels.map(|(t, whole)| t.map(|c| c * factor(whole[3]))).collect(), ..part.clone() }
+    };
+    [scaled(&textures.fin), scaled(&textures.fin_guard)]
+}
+
+/// Uploads all levels of detail with their mips, and `fins`, the whole and the guard hairs' part.
+pub(super) fn upload(
+    gpu: &Gpu,
+    textures: &FurTextures,
+    [fin, mut fin_guard]: [Texture; 2],
+) -> Result<(Uploaded, Vec<Means>)> {
     let coarser = lod::coarser(textures);
     let all: Vec<&Texture> = textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).collect();
     let mut guard: Vec<&Texture> = textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).collect();
@@ -42,9 +61,11 @@ pub(super) fn upload(gpu: &Gpu, textures: &FurTextures) -> Result<(Uploaded, Vec
     if guard.is_empty() {
         guard.push(&none);
     }
-    let fin_guard = Texture { texels: vec![[0.0; 4]; textures.fin.texels.len()], ..textures.fin.clone() };
-    let fins = [&textures.fin, if textures.guard.is_empty() { &fin_guard } else { &textures.fin_guard }];
-    let sampler = |v| {
+    if fin_guard.texels.len() != fin.texels.len() {
+        fin_guard = Texture { texels: vec![[0.0; 4]; fin.texels.len()], ..fin };
+    }
+    let coarsest = (fin.height.max(1) / FIN_TEXELS).max(1).ilog2();
+    let sampler = |v, coarsest: f32| {
         gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("fur"),
             address_mode_u: wgpu::AddressMode::Repeat,
@@ -52,6 +73,7 @@ pub(super) fn upload(gpu: &Gpu, textures: &FurTextures) -> Result<(Uploaded, Vec
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
+            lod_max_clamp: coarsest,
             // On software adapters it costs more than ten times the rest; pictures made there have more samples instead.
             anisotropy_clamp: if gpu.software { 1 } else { 8 },
             ..Default::default()
@@ -60,9 +82,9 @@ pub(super) fn upload(gpu: &Gpu, textures: &FurTextures) -> Result<(Uploaded, Vec
     let uploaded = Uploaded {
         layers: array(gpu, "layers", &all)?,
         guard: array(gpu, "guard_layers", &guard)?,
-        fin: array(gpu, "fin", &fins)?,
-        repeating: sampler(wgpu::AddressMode::Repeat),
-        upright: sampler(wgpu::AddressMode::ClampToEdge),
+        fin: array(gpu, "fin", &[&fin, &fin_guard])?,
+        repeating: sampler(wgpu::AddressMode::Repeat, 32.0),
+        upright: sampler(wgpu::AddressMode::ClampToEdge, coarsest as f32),
     };
     Ok((uploaded, means))
 }

@@ -64,6 +64,7 @@ pub fn textures(
             fin_resolution: [side; 2],
             patch: [1.5; 2],
             fin_length: 2.0,
+            fin_depth: 0.1,
             height: 0.4,
             spacing: 0.4 / layers as f32,
             summary: Vec::new(),
