@@ -115,7 +115,9 @@ impl<'a> Grower<'a> {
                 continue;
             }
             let uv = self.expected(&region, next.face, next.direction);
-            if accept(&uv) {
+            // What does not fit where it is expected will not fit much better once the patch is flat.
+            let shape = self.surface.frames[f].turned(next.direction);
+            if accept(&uv) && flatten::Map::of(&shape, &uv).is_within_limits() {
                 self.add(&mut region, next.face, next.direction, &uv, &mut heap, seed);
             }
         }
