@@ -4,12 +4,14 @@
 //! 3 the scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
+mod bake;
 mod bench;
 mod check;
 mod compare;
 mod devices;
 mod export;
 mod figure;
+mod frames;
 mod interrupt;
 mod lapped;
 mod output;
@@ -61,6 +63,8 @@ enum Command {
     Devices(devices::DevicesArgs),
     /// Write the strands and the mesh of a scene for other renderers.
     Export(export::ExportArgs),
+    /// Bake textures for shells and fins: layers, fin, levels of detail, mips, manifest.
+    Bake(bake::BakeArgs),
     /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
     Lapped(lapped::LappedArgs),
     /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
@@ -104,6 +108,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Schema => schema::run(),
         Command::Devices(args) => devices::run(args),
         Command::Export(args) => export::run(args, &cli.global),
+        Command::Bake(args) => bake::run(args, &cli.global),
         Command::Lapped(args) => lapped::run(args, &cli.global),
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),

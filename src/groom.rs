@@ -2,7 +2,7 @@
 
 use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading};
+use crate::scene::{Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
@@ -29,14 +29,20 @@ pub struct PackedGroom {
     pub lights: Vec<Light>,
 }
 
-/// Whether the guard hairs are rendered.
-pub fn has_guard(scene: &Scene) -> bool {
-    matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid) && scene.guard.density.max() > 0.0
+/// Whether shells are rendered that need the light in the groom's own fur.
+fn lit_shells(scene: &Scene) -> bool {
+    scene.render.fur == FurLayers::Shells && scene.shells.lighting == ShellLighting::Scene
 }
 
-/// Whether the undercoat is rendered.
+/// Whether the guard hairs are rendered, or at least their shadows.
+pub fn has_guard(scene: &Scene) -> bool {
+    (matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid) || lit_shells(scene))
+        && scene.guard.density.max() > 0.0
+}
+
+/// Whether the undercoat is rendered, or at least its shadow.
 pub fn has_undercoat(scene: &Scene) -> bool {
-    matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid)
+    (matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid) || lit_shells(scene))
         && scene.undercoat.density.max() > 0.0
         && scene.undercoat.height.max() > 0.0
 }
@@ -71,8 +77,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         maps.color(&coat.color_root),
         maps.color(&coat.color_tip),
         maps.color(&scene.base.color),
-        maps.scalar(&Scalar::Constant(0.0)),
-        maps.scalar(&Scalar::Constant(0.0)),
+        maps.color(&scene.shells.color),
+        maps.scalar(&scene.shells.length),
     ];
     let paper = scene.render.shading == Shading::Paper;
     let comb = Vec3::from(guard.comb_direction).normalize_or_zero();

@@ -195,4 +195,62 @@ shared! {
         padding: [u32; 2],
         weights: [[f32; 4]; 32],
     }
+    /// `shared/shellfin_types.wgsl`
+    struct Shellfin {
+        comb: [f32; 3],
+        shells: u32,
+        bend: [f32; 3],
+        fin_rows: u32,
+        shadow_direction: [f32; 3],
+        lighting: u32,
+        torus: [f32; 2],
+        fin_length: f32,
+        height: f32,
+        fade: u32,
+        fin_threshold: f32,
+        slanted: u32,
+        shadow_offset: f32,
+        shadow_strength: f32,
+        vertices: u32,
+        brushes: u32,
+        curved: u32,
+        spread: f32,
+        guard: u32,
+        edge_fade: f32,
+        fin_slant: f32,
+    }
+    /// `shared/shellfin_types.wgsl`
+    struct ShellRow {
+        height: f32,
+        fine: u32,
+        coarse: u32,
+        blend: f32,
+        undercoat: [f32; 3],
+        shade: f32,
+        guard: [f32; 3],
+        jitter: f32,
+        coverage: f32,
+        share: f32,
+        padding: [u32; 2],
+    }
+    /// `shellfin_rows.wgsl`
+    struct Brush {
+        center: [f32; 3],
+        radius: f32,
+        direction: [f32; 3],
+        padding: u32,
+    }
+    /// `shellfin_raster.wgsl`
+    struct FurCorner {
+        vertex: u32,
+        padding: u32,
+        uv: [f32; 2],
+        skin_uv: [f32; 2],
+    }
+    /// `shellfin_raster.wgsl`
+    struct FinEdge {
+        a: u32,
+        b: u32,
+        opposite: [u32; 2],
+    }
 }

@@ -66,6 +66,7 @@
 //! |---|---|
 //! | [`scene`], [`assets`] | scene files; where the files they name are found |
 //! | [`mesh`], [`skin`], [`maps`], [`light`], [`camera`], [`world`] | what is loaded |
+//! | [`animation`], [`dynamics`] | what a frame shows; how far hair is bent in it |
 //! | [`groom`], [`layout`] | what the shaders are given |
 //! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
 //! | [`film`], [`files`], [`hair`], [`compare`] | pictures, files, strands for other programs, metrics |
@@ -75,12 +76,14 @@
 //!
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
 
+pub mod animation;
 pub mod assets;
 pub mod bake;
 pub mod bench;
 pub mod camera;
 pub mod cli;
 pub mod compare;
+pub mod dynamics;
 pub mod error;
 pub mod figure;
 pub mod files;
@@ -99,6 +102,7 @@ pub mod provenance;
 pub mod reference;
 pub mod render;
 pub mod scene;
+pub mod shellfin;
 pub mod skin;
 pub mod stats;
 pub mod world;

@@ -9,6 +9,7 @@
 //! | 5 shell | [`shell_entry`], [`undercoat_march`] |
 //! | 6 strands | [`guard_bins`], [`guard_raster`] |
 //! | 7 blending | [`resolve`], [`film`] |
+//! | shells and fins | [`shellfin_rows`], [`shellfin_raster`] |
 
 pub mod base_raster;
 pub mod edge_table;
@@ -24,6 +25,8 @@ pub mod resolve;
 pub mod shell_entry;
 pub mod shell_lattice;
 pub mod shell_prisms;
+pub mod shellfin_raster;
+pub mod shellfin_rows;
 pub mod undercoat_density;
 pub mod undercoat_light;
 pub mod undercoat_march;
@@ -131,8 +134,8 @@ pub fn step_of(stem: &str) -> u32 {
         "edge_table" | "shell_prisms" | "hair_roots" => 1,
         "undercoat_density" | "shell_lattice" | "guard_splat" | "light_occlusion" | "undercoat_light"
         | "undercoat_source" => 2,
-        "guard_strands" | "guard_shade" => 3,
-        "shell_entry" | "undercoat_march" => 4,
+        "guard_strands" | "guard_shade" | "shellfin_rows" => 3,
+        "shell_entry" | "undercoat_march" | "shellfin_raster" => 4,
         "base_raster" => 5,
         "guard_bins" | "guard_raster" => 6,
         _ => 7,

@@ -10,13 +10,14 @@ use crate::groom::{self, PackedGroom};
 use crate::layout::{Frame, Fur, Root};
 use crate::passes::hair_roots::HairRoots;
 use crate::passes::{Passes, Variant};
-use crate::scene::{LightLookup, Storage};
+use crate::scene::{Fur as FurLayers, LightLookup, Storage};
 use crate::skin::NONE;
 use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
 use occluders::bvh;
 use std::sync::Arc;
-use surface::{corner_uv, skin_vertices, subdivide, vertex_uv};
+pub(crate) use surface::{shell_normals, vertex_uv};
+use surface::{corner_uv, skin_vertices, subdivide};
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {
@@ -253,6 +254,11 @@ impl<'g> Prepared<'g> {
             recorder.submit(timings)?;
         }
         self.buffers.extend([tau, source, base_light, extinction]);
+        if world.scene.render.fur == FurLayers::Shells {
+            // The hairs are in the textures: here they only cast shadows.
+            self.resident = None;
+            self.batches.clear();
+        }
         if let Some(strands) = &self.resident {
             self.shade(strands, timings)?;
         }

@@ -28,6 +28,8 @@ pub mod shell;
 pub mod shell_entry;
 pub mod shell_lattice;
 pub mod shell_prisms;
+pub mod shellfin_raster;
+pub mod shellfin_rows;
 pub mod strands;
 pub mod undercoat;
 pub mod undercoat_density;

@@ -4,17 +4,17 @@ mod plan;
 mod strands;
 mod tile;
 
+pub(crate) use plan::SamplePlan;
 pub use strands::strands;
-pub use tile::FRAGMENT_BYTES;
+pub use tile::{FRAGMENT_BYTES, Job, write_tile};
 
 use crate::gpu::Gpu;
 use crate::gpu::recorder::Timings;
 use crate::prepare::Prepared;
-use crate::scene::Blend;
+use crate::scene::{Blend, Fur};
 use crate::stats::{PassTime, Stats, Step};
-use crate::{Error, Result, Scene, World, camera, film::Film, passes};
+use crate::{Error, Result, Scene, World, camera, film::Film, passes, shellfin};
 use glam::Vec2;
-use plan::SamplePlan;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
@@ -27,6 +27,8 @@ pub struct RenderOptions<'a> {
     pub aovs: bool,
     /// Called after each chunk of work.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// How forces bend shells and fins at this moment; not given: at rest.
+    pub moment: Option<crate::shellfin::Moment>,
     /// When it becomes true, rendering stops after the current chunk and returns what there is.
     pub cancel: Option<&'a AtomicBool>,
 }
@@ -66,13 +68,13 @@ struct Work {
 }
 
 impl RenderOptions<'_> {
-    fn report(&self, done: f32, stage: &'static str) {
+    pub(crate) fn report(&self, done: f32, stage: &'static str) {
         if let Some(progress) = self.progress {
             progress(Progress { done, stage });
         }
     }
 
-    fn cancelled(&self) -> bool {
+    pub(crate) fn cancelled(&self) -> bool {
         self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
     }
 }
@@ -136,6 +138,9 @@ impl Work {
     /// Renders the tiles that are not done yet. False if it was cancelled.
     fn run(&mut self, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
         let scene = &world.scene;
+        if scene.render.fur == Fur::Shells {
+            return self.run_shells(gpu, world, options);
+        }
         let plan = SamplePlan::new(scene);
         options.report(0.0, "shell_prisms");
         let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
@@ -171,6 +176,21 @@ impl Work {
         Ok(complete)
     }
 
+    /// Shells and fins, which have tiles of their own.
+    fn run_shells(&mut self, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
+        let scene = &world.scene;
+        let complete =
+            shellfin::render(gpu, world, options, &mut self.film, &mut self.done, &mut self.timings)?;
+        self.stats = Stats {
+            triangles: world.skin.triangles.len() as u64,
+            tiles: self.done as u64,
+            ..known_stats(gpu, scene)
+        };
+        options.report(1.0, "film");
+        fill_stats(&mut self.stats, gpu, &self.timings);
+        Ok(complete)
+    }
+
     /// The frame, also of a rendering that lost its device after some tiles.
     fn end(mut self, outcome: Result<bool>) -> Result<Frame> {
         let (complete, fault) = match outcome {
@@ -186,6 +206,17 @@ impl Work {
 /// What is known before the first tile is done.
 fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
     Stats {
+        triangles: u64::from(prepared.triangles),
+        strands: prepared.strands,
+        subelements: prepared.subelements,
+        storage: if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() },
+        ..known_stats(gpu, scene)
+    }
+}
+
+/// What the device and the scene tell.
+fn known_stats(gpu: &Gpu, scene: &Scene) -> Stats {
+    Stats {
         adapter: gpu.info.name.clone(),
         driver: format!("{} {}", gpu.info.driver, gpu.info.driver_info).trim().to_owned(),
         width: scene.film.width,
@@ -193,10 +224,6 @@ fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
         spp: scene.film.spp,
         fur: format!("{:?}", scene.render.fur).to_lowercase(),
         blend: format!("{:?}", scene.render.blend).to_lowercase(),
-        triangles: u64::from(prepared.triangles),
-        strands: prepared.strands,
-        subelements: prepared.subelements,
-        storage: if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() },
         memory_budget_bytes: scene.render.memory,
         ..Stats::default()
     }

@@ -6,6 +6,7 @@
 //! `check` holds the tree against the JSON schema, `rules` looks at what the schema cannot say. All faults come out
 //! together.
 
+mod animation;
 mod check;
 mod defaults;
 mod load;

@@ -13,6 +13,8 @@ pub struct World {
     pub lights: Vec<Light>,
     /// The image maps that the groom names.
     pub maps: MapSet,
+    /// The manifest of the textures that the scene names for its shells.
+    pub textures: Option<std::path::PathBuf>,
 }
 
 impl World {
@@ -21,6 +23,7 @@ impl World {
         let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         let lights = crate::light::lights_of(&scene, assets)?;
         let maps = MapSet::load(&scene, assets)?;
-        Ok(Self { scene, skin, lights, maps })
+        let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;
+        Ok(Self { scene, skin, lights, maps, textures })
     }
 }

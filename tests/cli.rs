@@ -28,7 +28,7 @@ fn help_and_version_are_no_errors() {
 #[test]
 fn every_subcommand_is_there() {
     let help = pelage(&["--help"]).out;
-    for name in ["render", "check", "schema", "devices", "export", "compare", "bench", "figure"] {
+    for name in ["render", "check", "schema", "devices", "export", "bake", "compare", "bench", "figure"] {
         assert!(help.contains(&format!("  {name} ")), "{name} is not in\n{help}");
         pelage(&[name, "--help"]).expect(0, &[]);
     }

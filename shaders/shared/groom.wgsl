@@ -17,6 +17,8 @@ const UNDERCOAT_HEIGHT: u32 = 10u;
 const UNDERCOAT_COLOR_ROOT: u32 = 11u;
 const UNDERCOAT_COLOR_TIP: u32 = 12u;
 const BASE_COLOR: u32 = 13u;
+const SHELL_COLOR: u32 = 14u;
+const SHELL_LENGTH: u32 = 15u;
 
 // A point of the skin where parameters are read.
 struct SkinPoint {

@@ -55,7 +55,14 @@ pub(super) struct SceneArgs {
 impl SceneArgs {
     /// Loads the scene with all overrides.
     pub fn load(&self) -> Result<(Scene, Assets)> {
-        Scene::load_with(&self.scene, &self.overrides()?)
+        self.load_with(Vec::new())
+    }
+
+    /// Loads the scene with all overrides, then those of a command's own flags.
+    pub fn load_with(&self, own: Vec<Override>) -> Result<(Scene, Assets)> {
+        let mut all = self.overrides()?;
+        all.extend(own);
+        Scene::load_with(&self.scene, &all)
     }
 
     /// `-D` in order, then the flags.

@@ -3,18 +3,24 @@
 use super::{
     Global,
     args::{self, SceneArgs},
+    frames::{self, Frames},
     interrupt,
     output::{self, count, human_bytes},
     progress::Display,
 };
 use crate::{
-    Error, Result, Scene, World, files,
+    Error, Result, Scene, World, animation,
+    assets::Assets,
+    files,
     film::{Metadata, composite, depth_of_field, io},
     render::{self, RenderOptions},
     stats::Stats,
 };
 use clap::Args;
-use std::{path::PathBuf, sync::atomic::Ordering};
+use std::{
+    path::{Path, PathBuf},
+    sync::atomic::{AtomicBool, Ordering},
+};
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
@@ -26,6 +32,10 @@ pub(super) struct RenderArgs {
     /// Render only a part of the film, in 0..1 of its width and height.
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
     cropwindow: Option<[f32; 4]>,
+    /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the end). Files are numbered:
+    /// -o fur.png gives fur_0001.png and so on, --stats likewise. A frame does not depend on those before it.
+    #[arg(long, value_name = "N|A..B", value_parser = frames::frames)]
+    frames: Option<Frames>,
     /// Write the statistics to a JSON file.
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -34,52 +44,85 @@ pub(super) struct RenderArgs {
     json: bool,
 }
 
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
+}
+
 /// Renders; after an interrupt or the loss of the device the partial image is written before the error is returned.
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
-    let exr = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"));
     let png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
-    if let Some(path) = args.outfile.iter().find(|path| !exr(path) && !png(path)) {
+    if let Some(path) = args.outfile.iter().find(|path| !is_exr(path) && !png(path)) {
         let found = path.display();
         return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
     }
     let (scene, assets) = args.scene.load()?;
-    args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(path))?;
+    let numbers = args.frames.map(|f| f.numbers(&scene.animation)).transpose()?;
+    let named = |path: &Path, number: Option<u32>| {
+        number.map_or_else(|| path.to_owned(), |number| frames::numbered(path, number))
+    };
+    let first = numbers.as_ref().map(|n| *n.start());
+    args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(&named(path, first)))?;
     let cancel = interrupt::listen()?;
-    let world = World::load(scene, &assets)?;
+    let mut world = World::load(scene, &assets)?;
     if !global.quiet {
         world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
     }
     if cancel.load(Ordering::SeqCst) {
         return Err(Error::Interrupted);
     }
+    let Some(numbers) = numbers else {
+        return picture(args, global, &world, &assets, &args.outfile, args.stats.as_deref(), cancel);
+    };
+    let scene = world.scene.clone();
+    let last = *numbers.end();
+    for number in numbers {
+        world.scene.camera = animation::at(&scene, number).camera;
+        let outfile: Vec<_> = args.outfile.iter().map(|path| named(path, Some(number))).collect();
+        let stats = args.stats.as_ref().map(|path| named(path, Some(number)));
+        picture(args, global, &world, &assets, &outfile, stats.as_deref(), cancel)
+            .inspect_err(|_| eprintln!("frame {number} is not done: go on with --frames {number}..{last}"))?;
+    }
+    Ok(())
+}
 
+/// Renders one picture and writes it to every file of `outfile`.
+fn picture(
+    args: &RenderArgs,
+    global: &Global,
+    world: &World,
+    assets: &Assets,
+    outfile: &[PathBuf],
+    stats: Option<&Path>,
+    cancel: &AtomicBool,
+) -> Result<()> {
     let display = Display::new(global.progress, global.quiet);
     let show = |progress| display.update(progress);
     let options = RenderOptions {
+        moment: None,
         crop: args.cropwindow,
-        aovs: args.outfile.iter().any(exr) || world.scene.camera.lens.is_some(),
+        aovs: outfile.iter().any(|path| is_exr(path)) || world.scene.camera.lens.is_some(),
         progress: Some(&show),
         cancel: Some(cancel),
     };
-    let frame = render::render(&world, &options);
+    let frame = render::render(world, &options);
     display.finish();
     let mut frame = frame?;
 
     depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
-    composite::over_background(&mut frame.film, &world.scene, &assets)?;
+    composite::over_background(&mut frame.film, &world.scene, assets)?;
     let metadata = metadata(&world.scene, &frame.stats);
-    for path in &args.outfile {
+    for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;
     }
     let json = serde_json::to_value(&frame.stats)
         .map_err(|e| Error::Check(format!("the statistics cannot be written as JSON: {e}")))?;
-    if let Some(path) = &args.stats {
+    if let Some(path) = stats {
         output::write_json(path, &json)?;
     }
     if args.json {
         output::print_json(&json)?;
     } else if !global.quiet {
-        output::print(&summary(args, &frame.stats))?;
+        output::print(&summary(outfile, &frame.stats))?;
     }
     match frame.fault {
         Some(fault) => Err(fault),
@@ -99,8 +142,8 @@ fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
 }
 
 /// The statistics for people: what was written, counts, and the rows of Andersen et al. 2016, Table 1.
-fn summary(args: &RenderArgs, s: &Stats) -> String {
-    let files: Vec<_> = args.outfile.iter().map(|p| p.display().to_string()).collect();
+fn summary(outfile: &[PathBuf], s: &Stats) -> String {
+    let files: Vec<_> = outfile.iter().map(|p| p.display().to_string()).collect();
     let mut text = format!(
         "{}: {} x {}, {} spp, {} ({}), {:.2} s\n",
         files.join(", "),

@@ -14,6 +14,8 @@ pub enum Resource<'a> {
     Buffer(&'a wgpu::Buffer),
     /// A texture.
     Texture(&'a wgpu::TextureView),
+    /// How a texture is read.
+    Sampler(&'a wgpu::Sampler),
 }
 
 /// Resources by name.
@@ -122,6 +124,7 @@ impl Interface {
             let resource = match resource {
                 Resource::Buffer(buffer) => buffer.as_entire_binding(),
                 Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
+                Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
             };
             entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
         }
@@ -146,22 +149,38 @@ fn binding_type(
             buffer(wgpu::BufferBindingType::Storage { read_only: !access.contains(StorageAccess::STORE) })
         }
         AddressSpace::Handle => match module.types[variable.ty].inner {
-            TypeInner::Image { class: ImageClass::Sampled { kind: ScalarKind::Uint, .. }, .. } => {
+            TypeInner::Image { dim: naga::ImageDimension::D2, arrayed, class } => {
+                let sample_type = match class {
+                    ImageClass::Sampled { kind: ScalarKind::Uint, multi: false } => {
+                        wgpu::TextureSampleType::Uint
+                    }
+                    ImageClass::Sampled { kind: ScalarKind::Float, multi: false } => {
+                        wgpu::TextureSampleType::Float { filterable: true }
+                    }
+                    ImageClass::Depth { multi: false } => wgpu::TextureSampleType::Depth,
+                    other => return Err(unsupported(stem, variable, &other)),
+                };
                 wgpu::BindingType::Texture {
-                    sample_type: wgpu::TextureSampleType::Uint,
-                    view_dimension: wgpu::TextureViewDimension::D2,
+                    sample_type,
+                    view_dimension: if arrayed {
+                        wgpu::TextureViewDimension::D2Array
+                    } else {
+                        wgpu::TextureViewDimension::D2
+                    },
                     multisampled: false,
                 }
             }
-            ref other => {
-                return Err(Error::gpu(
-                    stem,
-                    format!("binding {:?} has an unsupported type {other:?}", variable.name),
-                ));
+            TypeInner::Sampler { comparison: false } => {
+                wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering)
             }
+            ref other => return Err(unsupported(stem, variable, other)),
         },
         space => return Err(Error::gpu(stem, format!("binding {:?} lies in {space:?}", variable.name))),
     })
+}
+
+fn unsupported(stem: &str, variable: &naga::GlobalVariable, found: &dyn std::fmt::Debug) -> Error {
+    Error::gpu(stem, format!("binding {:?} has an unsupported type {found:?}", variable.name))
 }
 
 /// Compiles a module, with naga's faults mapped to file and line.
@@ -241,6 +260,15 @@ pub enum Target {
     TriangleIds,
     /// Nothing but what the fragment stage stores; front faces only.
     Records,
+    /// Premultiplied colours with a depth test.
+    Color {
+        /// Lies over what is there; else it replaces it.
+        over: bool,
+        /// Writes depth.
+        solid: bool,
+        /// Both sides are seen; else front faces only.
+        both_sides: bool,
+    },
 }
 
 /// A vertex and a fragment entry point.
@@ -256,6 +284,8 @@ pub struct RasterKernel {
 
 /// Format of the triangle numbers.
 pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
+/// Format of pictures.
+pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the depth buffer.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
 
@@ -264,56 +294,77 @@ impl RasterKernel {
     ///
     /// # Errors
     /// [`Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu, stem: &'static str, vertex: &str, target: Target) -> Result<Self> {
+    pub fn new(
+        gpu: &Gpu,
+        stem: &'static str,
+        vertex: &str,
+        fragment: &str,
+        target: Target,
+    ) -> Result<Self> {
+        Self::specialised(gpu, stem, [vertex, fragment], target, &[])
+    }
+
+    /// The same with values for the shader's `override` constants.
+    ///
+    /// # Errors
+    /// As [`RasterKernel::new`].
+    pub fn specialised(
+        gpu: &Gpu,
+        stem: &'static str,
+        [vertex, fragment]: [&str; 2],
+        target: Target,
+        constants: &[(&str, f64)],
+    ) -> Result<Self> {
         let (compiled, module, info) = compile(gpu, stem)?;
-        let interface = Interface::reflect(
-            gpu,
-            stem,
-            &module,
-            &info,
-            &[(vertex, wgpu::ShaderStages::VERTEX), ("fragment", wgpu::ShaderStages::FRAGMENT)],
-        )?;
+        let stages = [(vertex, wgpu::ShaderStages::VERTEX), (fragment, wgpu::ShaderStages::FRAGMENT)];
+        let interface = Interface::reflect(gpu, stem, &module, &info, &stages)?;
         let label = format!("{stem}.{vertex}");
         let layout = gpu.device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
             label: Some(&label),
             bind_group_layouts: &[Some(&interface.layout)],
             immediate_size: 0,
         });
-        let ids = [Some(wgpu::ColorTargetState {
-            format: ID_FORMAT,
-            blend: None,
-            write_mask: wgpu::ColorWrites::ALL,
-        })];
-        let solid = target == Target::TriangleIds;
-        // Even a pass without a picture needs a target, for its size.
+        // Depth is reversed: nearer is greater.
+        use wgpu::CompareFunction as Compare;
+        let (format, over, solid, both_sides, compare) = match target {
+            Target::TriangleIds => (Some(ID_FORMAT), false, true, true, Compare::Greater),
+            // Even a pass without a picture needs a target, for its size.
+            Target::Records => (None, false, false, false, Compare::Always),
+            Target::Color { over, solid, both_sides } => {
+                (Some(COLOR_FORMAT), over, solid, both_sides, Compare::GreaterEqual)
+            }
+        };
+        let pictures: Vec<_> = format
+            .into_iter()
+            .map(|format| {
+                let blend = over.then_some(wgpu::BlendState::PREMULTIPLIED_ALPHA_BLENDING);
+                Some(wgpu::ColorTargetState { format, blend, write_mask: wgpu::ColorWrites::ALL })
+            })
+            .collect();
+        let options = || wgpu::PipelineCompilationOptions { constants, ..Default::default() };
         let pipeline = gpu.device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
             label: Some(&label),
             layout: Some(&layout),
             vertex: wgpu::VertexState {
                 module: &compiled,
                 entry_point: Some(vertex),
-                compilation_options: Default::default(),
+                compilation_options: options(),
                 buffers: &[],
             },
             fragment: Some(wgpu::FragmentState {
                 module: &compiled,
-                entry_point: Some("fragment"),
-                compilation_options: Default::default(),
-                targets: if solid { &ids } else { &[] },
+                entry_point: Some(fragment),
+                compilation_options: options(),
+                targets: &pictures,
             }),
             primitive: wgpu::PrimitiveState {
-                cull_mode: (!solid).then_some(wgpu::Face::Back),
+                cull_mode: (!both_sides).then_some(wgpu::Face::Back),
                 ..Default::default()
             },
             depth_stencil: Some(wgpu::DepthStencilState {
                 format: DEPTH_FORMAT,
                 depth_write_enabled: Some(solid),
-                // Depth is reversed: nearer is greater.
-                depth_compare: Some(if solid {
-                    wgpu::CompareFunction::Greater
-                } else {
-                    wgpu::CompareFunction::Always
-                }),
+                depth_compare: Some(compare),
                 stencil: Default::default(),
                 bias: Default::default(),
             }),

@@ -34,7 +34,7 @@ impl Timings {
 
 /// The textures that raster passes write.
 pub struct RasterTargets<'a> {
-    /// Triangle numbers.
+    /// Triangle numbers, or colours.
     pub ids: &'a wgpu::TextureView,
     /// Depth.
     pub depth: &'a wgpu::TextureView,
@@ -122,7 +122,7 @@ impl<'g> Recorder<'g> {
         self.run_by_clock()
     }
 
-    /// Draws `vertices` vertices.
+    /// Draws `vertices` vertices on cleared targets.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a binding has no resource.
@@ -133,6 +133,21 @@ impl<'g> Recorder<'g> {
         targets: &RasterTargets<'_>,
         vertices: u32,
     ) -> Result<()> {
+        self.draw_instances(kernel, scope, targets, [vertices, 1], true)
+    }
+
+    /// Draws instances of vertices, in this order, on `targets`, which are cleared before or not.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] if a binding has no resource.
+    pub fn draw_instances(
+        &mut self,
+        kernel: &RasterKernel,
+        scope: &Scope<'_>,
+        targets: &RasterTargets<'_>,
+        [vertices, instances]: [u32; 2],
+        clear: bool,
+    ) -> Result<()> {
         let bind_group = kernel.bind(self.gpu, scope)?;
         let stamp = self.stamp(&kernel.label);
         let writes =
@@ -141,24 +156,29 @@ impl<'g> Recorder<'g> {
                 beginning_of_pass_write_index: Some(a),
                 end_of_pass_write_index: Some(b),
             });
-        let ids = [Some(wgpu::RenderPassColorAttachment {
+        let picture = kernel.target != Target::Records;
+        let kept = matches!(kernel.target, Target::Color { .. });
+        let color = [Some(wgpu::RenderPassColorAttachment {
             view: targets.ids,
             depth_slice: None,
             resolve_target: None,
             ops: wgpu::Operations {
-                load: wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT),
+                load: if clear {
+                    wgpu::LoadOp::Clear(wgpu::Color::TRANSPARENT)
+                } else {
+                    wgpu::LoadOp::Load
+                },
                 store: wgpu::StoreOp::Store,
             },
         })];
-        let solid = kernel.target == Target::TriangleIds;
         let mut pass = self.encoder.begin_render_pass(&wgpu::RenderPassDescriptor {
             label: Some(&kernel.label),
-            color_attachments: if solid { &ids } else { &[] },
+            color_attachments: if picture { &color } else { &[] },
             depth_stencil_attachment: Some(wgpu::RenderPassDepthStencilAttachment {
                 view: targets.depth,
                 depth_ops: Some(wgpu::Operations {
-                    load: wgpu::LoadOp::Clear(0.0),
-                    store: wgpu::StoreOp::Discard,
+                    load: if clear { wgpu::LoadOp::Clear(0.0) } else { wgpu::LoadOp::Load },
+                    store: if kept { wgpu::StoreOp::Store } else { wgpu::StoreOp::Discard },
                 }),
                 stencil_ops: None,
             }),
@@ -170,7 +190,7 @@ impl<'g> Recorder<'g> {
         let [width, height] = targets.size.map(|s| s as f32 + 2.0 * RASTER_MARGIN);
         pass.set_viewport(-RASTER_MARGIN, -RASTER_MARGIN, width, height, 0.0, 1.0);
         pass.set_scissor_rect(0, 0, targets.size[0], targets.size[1]);
-        pass.draw(0..vertices, 0..1);
+        pass.draw(0..vertices, 0..instances);
         drop(pass);
         self.run_by_clock()
     }

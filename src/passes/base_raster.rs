@@ -18,7 +18,7 @@ impl BaseRaster {
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
-            raster: RasterKernel::new(gpu, "base_raster", "vertex", Target::TriangleIds)?,
+            raster: RasterKernel::new(gpu, "base_raster", "vertex", "fragment", Target::TriangleIds)?,
             shade: Kernel::new(gpu, "base_raster", "shade")?,
         })
     }

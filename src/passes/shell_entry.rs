@@ -18,8 +18,8 @@ impl ShellEntry {
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
-            top: RasterKernel::new(gpu, "shell_entry", "top", Target::Records)?,
-            wall: RasterKernel::new(gpu, "shell_entry", "wall", Target::Records)?,
+            top: RasterKernel::new(gpu, "shell_entry", "top", "fragment", Target::Records)?,
+            wall: RasterKernel::new(gpu, "shell_entry", "wall", "fragment", Target::Records)?,
         })
     }
 

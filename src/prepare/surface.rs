@@ -12,7 +12,7 @@ pub(super) fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
 }
 
 /// uv of any corner at each vertex.
-pub(super) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
+pub(crate) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     let mut of_vertex = vec![[0.0; 2]; skin.positions.len()];
     if let Some(uv) = &skin.corner_uv {
         for (triangle, uv) in skin.triangles.iter().zip(uv) {
@@ -25,7 +25,7 @@ pub(super) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
 }
 
 pub(super) fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
-    let normals = extrusion_normals(skin, 0.7 * height);
+    let normals = shell_normals(skin, height);
     (0..skin.positions.len())
         .map(|i| {
             let c = skin.colors.get(i).copied().unwrap_or(Vec3::ONE);
@@ -63,6 +63,11 @@ pub(super) fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32
         })
         .collect();
     (of_triangle, base)
+}
+
+/// Directions in which a shell `height` cm high stands over the vertices, unit.
+pub(crate) fn shell_normals(skin: &Skin, height: f32) -> Vec<Vec3> {
+    extrusion_normals(skin, 0.7 * height)
 }
 
 /// Normals for extrusion: the skin's, averaged over about `radius` cm, so that what is finer than the fur is high does not turn prisms over.

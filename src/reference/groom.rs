@@ -23,6 +23,8 @@ pub enum Parameter {
     UndercoatColorRoot,
     UndercoatColorTip,
     BaseColor,
+    ShellColor,
+    ShellLength,
 }
 
 /// A point of the skin where parameters are read.
@@ -39,7 +41,7 @@ pub struct SkinPoint {
 }
 
 /// Colour packed in eight bits a channel.
-fn unpack_color(word: u32) -> Vec3 {
+pub fn unpack_color(word: u32) -> Vec3 {
     Vec3::new((word & 255) as f32, ((word >> 8) & 255) as f32, ((word >> 16) & 255) as f32) / 255.0
 }
 

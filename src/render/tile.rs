@@ -25,9 +25,34 @@ const SMALLEST: u32 = 4;
 /// A rectangle of pixels, and the bin of strands that may touch it.
 #[derive(Debug, Clone, Copy)]
 pub struct Job {
-    origin: [u32; 2],
-    size: [u32; 2],
+    /// First pixel.
+    pub origin: [u32; 2],
+    /// Pixels.
+    pub size: [u32; 2],
     bin: u32,
+}
+
+impl Job {
+    /// Tiles of `edge` pixels that cover a film of `size` pixels, row by row; only the parts within `crop` (x0 x1 y0 y1 in 0..1).
+    pub fn grid(size: [u32; 2], edge: u32, crop: Option<[f32; 4]>) -> Vec<Self> {
+        let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
+        let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;
+        let low = [pixel(x0, size[0]), pixel(y0, size[1])];
+        let high = [pixel(x1, size[0]), pixel(y1, size[1])];
+        let grid = size.map(|s| s.div_ceil(edge));
+        let mut jobs = Vec::new();
+        for y in 0..grid[1] {
+            for x in 0..grid[0] {
+                let origin = [(x * edge).max(low[0]), (y * edge).max(low[1])];
+                let end = [((x + 1) * edge).min(high[0]), ((y + 1) * edge).min(high[1])];
+                if origin[0] < end[0] && origin[1] < end[1] {
+                    let size = [end[0] - origin[0], end[1] - origin[1]];
+                    jobs.push(Self { origin, size, bin: y * grid[0] + x });
+                }
+            }
+        }
+        jobs
+    }
 }
 
 /// The tiles of an image and the buffers that they share.
@@ -156,23 +181,7 @@ impl<'a> Tiles<'a> {
     /// The tiles, row by row; only those that touch `crop` (x0 x1 y0 y1 in 0..1).
     pub fn jobs(&self, crop: Option<[f32; 4]>) -> Vec<Job> {
         let film = &self.world.scene.film;
-        let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
-        let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;
-        let low = [pixel(x0, film.width), pixel(y0, film.height)];
-        let high = [pixel(x1, film.width), pixel(y1, film.height)];
-        let grid = self.grid();
-        let mut jobs = Vec::new();
-        for y in 0..grid[1] {
-            for x in 0..grid[0] {
-                let origin = [(x * self.edge).max(low[0]), (y * self.edge).max(low[1])];
-                let end = [((x + 1) * self.edge).min(high[0]), ((y + 1) * self.edge).min(high[1])];
-                if origin[0] < end[0] && origin[1] < end[1] {
-                    let size = [end[0] - origin[0], end[1] - origin[1]];
-                    jobs.push(Job { origin, size, bin: y * grid[0] + x });
-                }
-            }
-        }
-        jobs
+        Job::grid([film.width, film.height], self.edge, crop)
     }
 
     fn grid(&self) -> [u32; 2] {
@@ -276,7 +285,7 @@ impl<'a> Tiles<'a> {
             self.stats.fragments += outcome.fragments;
             self.stats.rays_lost += outcome.rays_lost;
             self.stats.fragments_max = self.stats.fragments_max.max(outcome.longest);
-            self.write(job, &outcome.pixels, film);
+            write_tile(job, &outcome.pixels, film);
             return Ok(());
         }
         self.stats.tiles_retried += 1;
@@ -437,23 +446,23 @@ impl<'a> Tiles<'a> {
     fn buffer(&self, name: &str) -> &Buffer {
         self.buffers.iter().find(|b| b.name == name).unwrap_or(&self.buffers[0])
     }
+}
 
-    /// Copies a tile's planes into the film.
-    fn write(&self, job: &Job, pixels: &[f32], film: &mut Film) {
-        let width = film.width as usize;
-        let [w, h] = job.size.map(|s| s as usize);
-        let [x0, y0] = job.origin.map(|s| s as usize);
-        let plane = |p: usize| &pixels[p * w * h..(p + 1) * w * h];
-        for (p, target) in film.planes.iter_mut().enumerate() {
-            for y in 0..h {
-                for x in 0..w {
-                    let i = y * w + x;
-                    target.data[(y0 + y) * width + x0 + x] = match target.name.as_str() {
-                        "depth.Z" if plane(19)[i] > 1e-4 => plane(18)[i] / plane(19)[i],
-                        "depth.Z" => f32::INFINITY,
-                        _ => plane(p)[i],
-                    };
-                }
+/// Copies a tile's planes into the film.
+pub fn write_tile(job: &Job, pixels: &[f32], film: &mut Film) {
+    let width = film.width as usize;
+    let [w, h] = job.size.map(|s| s as usize);
+    let [x0, y0] = job.origin.map(|s| s as usize);
+    let plane = |p: usize| &pixels[p * w * h..(p + 1) * w * h];
+    for (p, target) in film.planes.iter_mut().enumerate() {
+        for y in 0..h {
+            for x in 0..w {
+                let i = y * w + x;
+                target.data[(y0 + y) * width + x0 + x] = match target.name.as_str() {
+                    "depth.Z" if plane(19)[i] > 1e-4 => plane(18)[i] / plane(19)[i],
+                    "depth.Z" => f32::INFINITY,
+                    _ => plane(p)[i],
+                };
             }
         }
     }

@@ -3,6 +3,7 @@
 //! The ranges stand here as schemars attributes and nowhere else: the JSON schema that `pelage schema` prints is also
 //! what the loader checks files against.
 
+pub use super::animation::*;
 pub use super::output::*;
 pub use super::shellfin::*;
 use schemars::JsonSchema;
@@ -42,6 +43,8 @@ pub struct Scene {
     pub bake: BakeSpec,
     /// How shells and fins are drawn.
     pub shells: Shells,
+    /// What changes from frame to frame.
+    pub animation: Animation,
 }
 
 /// A groom parameter: a constant, a vertex colour or an image map read at the root.

@@ -90,6 +90,13 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "film: more than 536,870,912 pixels",
         "render parts of it with --cropwindow at a smaller size",
     );
+    let motion = &scene.animation.motion;
+    rule(
+        motion.amplitude == 0.0 || Vec3::from(motion.axis).length_squared() > 1e-12,
+        &["animation.motion.axis"],
+        "animation.motion.axis: must not be zero",
+        "it is the direction in which the object swings",
+    );
     let (guard, undercoat) = (&scene.guard, &scene.undercoat);
     let groom: [(&[&'static str], &Scalar); 9] = [
         (&["guard.density"], &guard.density),

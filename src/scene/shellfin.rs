@@ -263,6 +263,9 @@ pub struct Shells {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent (Lengyel et al. 2001); false: they only test it (NVIDIA's sample).
     pub depth_write: bool,
+    /// Coverage grows with the way that a look takes through a layer, and with the angle between it and the hairs; false: the texture's
+    /// coverage from every side, as in the works that drew shells first.
+    pub slanted: bool,
     /// Shells drawn, from the skin outwards; not given: all of the textures.
     #[schemars(range(min = 1, max = 128))]
     pub layers: Option<u32>,
@@ -300,6 +303,7 @@ impl Default for Shells {
             fade: FinFade::Cosine,
             fin_threshold: 0.25,
             depth_write: true,
+            slanted: true,
             layers: None,
             spacing: None,
             length: Scalar::Constant(1.0),

@@ -1,0 +1,41 @@
+// Shells and fins: what is drawn, and where the rows of vertices above the skin lie.
+
+struct Shellfin {
+    comb: vec3f,             // over the whole skin, tangent of the lean, world
+    shells: u32,             // rows that are shells; the fins' rows follow
+    bend: vec3f,             // displacement of the tips by forces, by height, world
+    fin_rows: u32,           // rows of a fin, skin and tip included
+    shadow_direction: vec3f, // towards the light of the shadow between hairs, world, unit
+    lighting: u32,           // 0: scene, 1: table
+    torus: vec2f,            // edges of the layers' torus, cm
+    fin_length: f32,         // one repeat of the fin, cm
+    height: f32,             // of a row at 1, cm above the skin
+    fade: u32,               // 0: cosine, 1: threshold, 2: both
+    fin_threshold: f32,
+    slanted: u32,            // 1: coverage grows with the way through a layer
+    shadow_offset: f32,      // part of the torus
+    shadow_strength: f32,
+    vertices: u32,           // of the skin
+    brushes: u32,
+    curved: u32,             // 1: along the groom's mean strand, 0: straight
+    spread: f32,             // tangent of the guard hairs' random lean
+    guard: u32,              // 1: guard hairs have layers of their own
+    edge_fade: f32,          // 1: shells fade where they are seen from the edge
+    fin_slant: f32,          // depth of fur that a fin stands for, by that of its texture
+}
+
+struct ShellRow {
+    height: f32,     // 0 skin, 1 the textures' top
+    fine: u32,       // layer of the texture
+    coarse: u32,     // of the next level of detail, or NONE
+    blend: f32,      // 0 fine, 1 coarse
+    undercoat: vec3f, // mean colour of the layer
+    shade: f32,      // darkening towards the skin, for the table
+    guard: vec3f,    // mean colour of its guard hairs
+    jitter: f32,     // variance of the other hairs' direction about its mean, an axis
+    coverage: f32,   // mean of the layer
+    share: f32,      // of it, guard hair
+    padding: vec2u,
+}
+
+const NO_LAYER: u32 = 0xffffffffu;

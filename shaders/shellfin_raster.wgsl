@@ -1,0 +1,298 @@
+// Shells and fins, drawn: the skin, fins at the silhouette, shells from the skin outwards. Colours are premultiplied.
+// [Lengyel2001] sec. 4, [Tariq2007]
+
+struct FurCorner {
+    vertex: u32,
+    padding: u32,
+    uv: vec2f,       // on the patch, cm
+    skin_uv: vec2f,
+}
+
+struct FinEdge {
+    a: u32,
+    b: u32,
+    opposite: vec2u, // third vertices of the faces at the edge; the second is NO_LAYER at a border
+}
+
+@group(0) @binding(1) var<uniform> shellfin: Shellfin;
+@group(0) @binding(2) var<uniform> groom: Groom;
+@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(5) var<storage, read> base_light: array<vec2u>;
+@group(0) @binding(6) var<storage, read> fur_corners: array<FurCorner>;
+@group(0) @binding(7) var<storage, read> fin_edges: array<FinEdge>;
+@group(0) @binding(8) var<storage, read> shell_rows: array<ShellRow>;
+@group(0) @binding(9) var<storage, read> row_positions: array<vec4f>;
+@group(0) @binding(10) var<storage, read> row_lights: array<vec4u>;
+@group(0) @binding(11) var layers: texture_2d_array<f32>;
+@group(0) @binding(12) var guard_layers: texture_2d_array<f32>;
+@group(0) @binding(13) var fin: texture_2d_array<f32>; // the whole, and the guard hairs' part
+@group(0) @binding(14) var repeating: sampler;
+@group(0) @binding(15) var upright: sampler; // repeats along u only
+@group(0) @binding(16) var color_target: texture_2d<f32>;
+@group(0) @binding(17) var depth_target: texture_depth_2d;
+@group(0) @binding(18) var<storage, read_write> samples: array<vec4u>;
+@group(0) @binding(19) var<storage, read> vertex_uv: array<vec2f>;
+
+#import shared/frame
+#import shared/index
+#import shared/random
+#import shared/octahedral
+#import shared/shell_types
+#import shared/groom
+#import shared/base
+#import shared/shellfin_types
+
+// What the scene does not use is left out when the kernels are compiled.
+override GUARD: bool = true;  // guard hairs have layers of their own
+override DETAIL: bool = true; // rows change from one level of detail to the next
+override SHADOW: bool = true; // shadow between hairs
+override MAPPED: bool = true; // colour or length come from an image or from vertex colours
+
+// Coverage below which a fragment is left out and writes no depth.
+const LEAST_COVERAGE: f32 = 0.002;
+
+struct SkinVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) light: vec3f,
+}
+
+@vertex
+fn skin_vertex(@builtin(vertex_index) i: u32) -> SkinVarying {
+    let v = fur_corners[i].vertex;
+    let word = base_light[v];
+    return SkinVarying(clip_from_world(shell_vertices[v].position), vec3f(unpack2x16float(word.x), unpack2x16float(word.y).x));
+}
+
+@fragment
+fn skin_fragment(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
+    // The inner side of an open skin shows itself unlit.
+    return vec4f(in.light * select(0.15, 1.0, front), 1.0);
+}
+
+struct ShellVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) uv: vec2f,        // repeats
+    @location(1) position: vec3f,
+    @location(2) normal: vec3f,
+    @location(3) tangent: vec3f,
+    @location(4) undercoat: vec3f,
+    @location(5) guard: vec3f,
+    @location(6) skin_uv: vec2f,
+    @location(7) color: vec3f,
+    @location(8) lean: vec3f,      // of what is not guard hair
+    @location(9) @interpolate(flat) row: u32,
+}
+
+struct Lit {
+    undercoat: vec3f,
+    guard: vec3f,
+}
+
+fn light_of(word: vec4u) -> Lit {
+    let middle = unpack2x16float(word.y);
+    return Lit(vec3f(unpack2x16float(word.x), middle.x), vec3f(middle.y, unpack2x16float(word.z)));
+}
+
+@vertex
+fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32) -> ShellVarying {
+    let corner = fur_corners[i];
+    let at = row * shellfin.vertices + corner.vertex;
+    let p = row_positions[at];
+    let lit = light_of(row_lights[at]);
+    let skin = shell_vertices[corner.vertex];
+    let tangent = octahedral_decode(unpack2x16snorm(bitcast<u32>(p.w)));
+    let lean = octahedral_decode(unpack2x16snorm(row_lights[at].w));
+    return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent, lit.undercoat, lit.guard,
+        corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row);
+}
+
+// Colour of coverage `whole` of which `guard` is guard hair.
+fn lit_color(whole: vec4f, guard: vec4f, lit: Lit) -> vec4f {
+    return vec4f(max(whole.rgb - guard.rgb, vec3f(0.0)) * lit.undercoat + guard.rgb * lit.guard, whole.a);
+}
+
+// The same for a way through the layer `slant` times as long as that of the texture. What is let through by the layer on the average is
+// taken to that power, whatever the texels: less covers evenly less, more is added as fog of the layer's mean colour.
+fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
+    let mean_through = 1.0 - min(row.coverage, 0.9999);
+    if slant <= 1.0 {
+        return color * ((1.0 - pow(mean_through, slant)) / max(row.coverage, 1e-6));
+    }
+    let more = (1.0 - color.a) * (1.0 - pow(mean_through, slant - 1.0));
+    let fog = mix(row.undercoat * lit.undercoat, row.guard * lit.guard, row.share);
+    return color + more * vec4f(fog, 1.0);
+}
+
+// The fine layer, or what lies between it and the coarser one; a row that the coarser level lacks fades out. [Lengyel2001] sec. 4.5
+fn shell_texel(row: ShellRow, uv: vec2f) -> vec4f {
+    let fine = textureSample(layers, repeating, uv, row.fine);
+    if !DETAIL {
+        return fine;
+    }
+    let coarse = textureSample(layers, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
+    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
+}
+
+fn guard_texel(row: ShellRow, uv: vec2f) -> vec4f {
+    let fine = textureSample(guard_layers, repeating, uv, row.fine);
+    if !DETAIL {
+        return fine;
+    }
+    let coarse = textureSample(guard_layers, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
+    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
+}
+
+// Shadow between hairs: darker where the texture covers more a little way towards the light.
+// [Xbdev]; DEVIATION: towards the light instead of along the normal seen by the eye, and by coverage instead of grey
+fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
+    // Texture coordinates grow along gradients of the position, found by the screen's derivatives.
+    let dx = dpdx(in.position);
+    let dy = dpdy(in.position);
+    let toward = shellfin.shadow_direction - n * dot(n, shellfin.shadow_direction);
+    let area = dot(cross(dx, dy), n);
+    let steps = vec2f(dot(cross(toward, dy), n), dot(cross(dx, toward), n)) / select(area, 1e-12, abs(area) < 1e-12);
+    let shift = dpdx(in.uv) * steps.x + dpdy(in.uv) * steps.y;
+    let ahead = in.uv + shift / max(length(shift), 1e-6) * shellfin.shadow_offset;
+    let more = textureSampleLevel(layers, repeating, ahead, layer, 0.0).a - textureSampleLevel(layers, repeating, in.uv, layer, 0.0).a;
+    return 1.0 - shellfin.shadow_strength * clamp(more, 0.0, 1.0);
+}
+
+// Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
+fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
+    let c = dot(tangent, view);
+    return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
+}
+
+@fragment
+fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
+    let row = shell_rows[in.row];
+    let whole = shell_texel(row, in.uv);
+    var guard = vec4f(0.0);
+    if GUARD {
+        guard = guard_texel(row, in.uv);
+    }
+    let n = normalize(in.normal);
+    var tint = vec3f(1.0);
+    var bald = false;
+    if MAPPED {
+        let at = SkinPoint(in.position, n, in.skin_uv, in.color);
+        tint = color(SHELL_COLOR, at);
+        bald = scalar(SHELL_LENGTH, at) <= 0.0;
+    }
+    if SHADOW {
+        tint *= shadow(in, n, row.fine);
+    }
+    let lit = Lit(in.undercoat, in.guard);
+    var out = lit_color(whole, guard, lit);
+    if shellfin.slanted == 1u {
+        let view = normalize(frame.eye - in.position);
+        let facing = abs(dot(n, view));
+        let undercoat = spread_sine(normalize(in.lean), view, row.jitter);
+        let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
+        let slant = mix(undercoat, guard_hair, row.share) / max(facing, 0.08);
+        // Towards the silhouette a shell is seen from its edge, as a line: there the fins take over.
+        let edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
+        out = slanted_color(row, out, slant, lit) * edge;
+    }
+    out = vec4f(out.rgb * tint, out.a);
+    if out.a < LEAST_COVERAGE || bald {
+        discard;
+    }
+    return out;
+}
+
+struct FinVarying {
+    @builtin(position) clip: vec4f,
+    @location(0) uv: vec2f,
+    @location(1) undercoat: vec3f,
+    @location(2) guard: vec3f,
+    @location(3) tint: vec3f,
+    @location(4) fade: f32,
+}
+
+// How much of a fin shows.
+fn fin_fade(edge: FinEdge) -> f32 {
+    let a = shell_vertices[edge.a].position;
+    let b = shell_vertices[edge.b].position;
+    let view = normalize(frame.eye - 0.5 * (a + b));
+    let n1 = normalize(cross(b - a, shell_vertices[edge.opposite.x].position - a));
+    var n2 = n1;
+    if edge.opposite.y != NO_LAYER {
+        n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
+    }
+    // [Lengyel2001] sec. 4.2
+    let across = normalize(cross(normalize(b - a), n1 + n2 + 1e-4 * shell_vertices[edge.a].normal));
+    let cosine = max(0.0, 2.0 * abs(dot(across, view)) - 1.0);
+    if shellfin.fade == 0u {
+        return cosine;
+    }
+    // [Tariq2007]: on the silhouette or near it. A border always is one.
+    let c1 = dot(n1, view);
+    let c2 = dot(n2, view);
+    let nearest = min(abs(c1), abs(c2));
+    let on = c1 * c2 < 0.0 || edge.opposite.y == NO_LAYER;
+    if shellfin.fade == 1u {
+        return select(0.0, 1.0, on || nearest < shellfin.fin_threshold);
+    }
+    return select(clamp(2.0 - 2.0 * nearest / max(shellfin.fin_threshold, 1e-4), 0.0, 1.0), 1.0, on);
+}
+
+@vertex
+fn fin_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) edge_index: u32) -> FinVarying {
+    let edge = fin_edges[edge_index];
+    let fade = fin_fade(edge);
+    if fade <= 0.0 {
+        return FinVarying(vec4f(0.0, 0.0, 0.0, 1.0), vec2f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
+    }
+    // Two triangles for each pair of rows.
+    let corner = i % 6u;
+    let upper = corner == 2u || corner == 4u || corner == 5u;
+    let right = corner == 1u || corner == 2u || corner == 4u;
+    let row = shellfin.shells + i / 6u + select(0u, 1u, upper);
+    let v = select(edge.a, edge.b, right);
+    let at = row * shellfin.vertices + v;
+    let skin = shell_vertices[v];
+    let lit = light_of(row_lights[at]);
+    let width = distance(shell_vertices[edge.a].position, shell_vertices[edge.b].position);
+    let seed = hash2(edge.a, edge.b);
+    let u = random(seed, 0u) + select(0.0, width / shellfin.fin_length, right);
+    var tint = vec3f(1.0);
+    if MAPPED {
+        tint = color(SHELL_COLOR, SkinPoint(skin.position, skin.normal, vertex_uv[v], unpack4x8unorm(skin.color).rgb));
+    }
+    return FinVarying(clip_from_world(row_positions[at].xyz), vec2f(u, shell_rows[row].height), lit.undercoat, lit.guard,
+        tint, fade);
+}
+
+@fragment
+fn fin_fragment(in: FinVarying) -> @location(0) vec4f {
+    let whole = textureSample(fin, upright, in.uv, 0);
+    var guard = vec4f(0.0);
+    if GUARD {
+        guard = textureSample(fin, upright, in.uv, 1);
+    }
+    var out = lit_color(whole, guard, Lit(in.undercoat, in.guard));
+    // A fin stands for more fur than its texture shows.
+    let coverage = 1.0 - pow(max(1.0 - out.a, 0.0), shellfin.fin_slant);
+    out = vec4f(out.rgb * in.tint * coverage / max(out.a, 1e-4), coverage) * in.fade;
+    if out.a < LEAST_COVERAGE {
+        discard;
+    }
+    return out;
+}
+
+// The picture as samples of the film. All of the fur counts as undercoat: what is blended cannot be told apart any more.
+@compute @workgroup_size(64)
+fn to_samples(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= frame.tile_size.x * frame.tile_size.y {
+        return;
+    }
+    let xy = vec2i(vec2u(i % frame.tile_size.x, i / frame.tile_size.x));
+    let c = textureLoad(color_target, xy, 0);
+    let d = textureLoad(depth_target, xy, 0);
+    let z = select(NO_BASE, frame.near / max(d, 1e-12), d > 0.0);
+    samples[2u * i] = vec4u(0u, pack2x16float(vec2f(0.0, c.r)), pack2x16float(c.gb), 0u);
+    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f(0.0, 1.0 - c.a)), bitcast<u32>(z), 0u, 0u);
+}

@@ -1,0 +1,164 @@
+// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is lit there. A row is a shell or
+// a row of a fin's vertices. Lengths, combing and forces are those of the frame.
+// [Lengyel2001] sec. 4.4, [Xbdev]
+
+struct Brush {
+    center: vec3f,    // cm
+    radius: f32,      // cm
+    direction: vec3f, // tangent of the lean, world
+    padding: u32,
+}
+
+struct LightingTable {
+    values: array<vec4f, 256>, // 32 x 32, four a vector: u = T.L along, v = T.H upwards
+}
+
+@group(0) @binding(1) var<uniform> shellfin: Shellfin;
+@group(0) @binding(2) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> groom: Groom;
+@group(0) @binding(4) var<uniform> lights: Lights;
+@group(0) @binding(5) var<uniform> fibre: Fibre;
+@group(0) @binding(6) var<uniform> lighting_table: LightingTable;
+@group(0) @binding(7) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
+@group(0) @binding(9) var<storage, read> vertex_uv: array<vec2f>;
+@group(0) @binding(10) var<storage, read> tau: array<u32>;
+@group(0) @binding(11) var<storage, read> shell_rows: array<ShellRow>;
+@group(0) @binding(12) var<storage, read> brushes: array<Brush>;
+@group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
+@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
+
+#import shared/frame
+#import shared/index
+#import shared/octahedral
+#import shared/undercoat
+#import shared/shell_types
+#import shared/lights
+#import shared/groom
+#import shared/fibre
+#import shared/shellfin_types
+
+// What bends the hair of a vertex.
+struct Root {
+    at: SkinPoint,
+    lean: vec3f,   // tangential, tangent of the angle
+    height: f32,   // cm above the skin at row height 1
+}
+
+fn root_of(v: u32) -> Root {
+    let vertex = shell_vertices[v];
+    let at = SkinPoint(vertex.position, vertex.normal, vertex_uv[v], unpack4x8unorm(vertex.color).rgb);
+    var lean = shellfin.comb;
+    if shellfin.curved == 1u {
+        lean += groom.comb_direction * scalar(GUARD_COMB, at);
+    }
+    for (var i = 0u; i < shellfin.brushes; i++) {
+        let d = distance(at.position, brushes[i].center) / brushes[i].radius;
+        let w = max(0.0, 1.0 - d * d);
+        lean += w * w * brushes[i].direction;
+    }
+    lean -= at.normal * dot(lean, at.normal);
+    return Root(at, lean, shellfin.height * max(0.0, scalar(SHELL_LENGTH, at)));
+}
+
+// Where the hair is at row height s, relative to its root, by the height of the fur.
+fn hair(root: Root, s: f32) -> vec3f {
+    let n = root.at.normal;
+    var p = s * (n + root.lean);
+    if shellfin.curved == 1u {
+        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur; heights
+        // grow evenly, for each layer of the texture stands for its own.
+        let fall = vec3f(0.0, -groom.gravity, 0.0);
+        let p1 = normalize(n + 0.5 * root.lean) / 3.0;
+        var p2 = p1 + normalize(n + 0.9 * root.lean + 0.35 * fall) / 3.0;
+        var p3 = p2 + normalize(n + 1.25 * root.lean + fall) / 3.0;
+        p2 -= n * min(0.0, dot(p2, n));
+        p3 -= n * min(0.0, dot(p3, n));
+        let r = 1.0 - s;
+        let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3) / max(dot(p3, n), 0.25);
+        p = b + n * (s - dot(b, n));
+    }
+    // Forces bend the tips most. [Xbdev]
+    p += shellfin.bend * s * s * s;
+    return p + n * max(0.0, 0.1 * s - dot(p, n));
+}
+
+// Optical depth above column `v` at `height` (in shell heights) towards a light.
+fn column_tau(v: u32, height: f32, light: u32) -> f32 {
+    let pairs = tau_pairs();
+    let x = clamp(height / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
+    let level = min(u32(x), fur.levels - 1u);
+    let node = (v * (fur.levels + 1u) + level) * pairs + light / 2u;
+    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], x - f32(level));
+}
+
+fn table_texel(x: u32, y: u32) -> f32 {
+    let i = 32u * y + x;
+    return lighting_table.values[i / 4u][i % 4u];
+}
+
+// Bilinear; u and v from -1 to 1 at the centres of the outermost texels.
+fn table(u: f32, v: f32) -> f32 {
+    let p = clamp((vec2f(u, v) * 0.5 + 0.5) * 31.0, vec2f(0.0), vec2f(31.0));
+    let i = min(vec2u(p), vec2u(30u));
+    let f = p - vec2f(i);
+    return mix(mix(table_texel(i.x, i.y), table_texel(i.x + 1u, i.y), f.x),
+        mix(table_texel(i.x, i.y + 1u), table_texel(i.x + 1u, i.y + 1u), f.x), f.y);
+}
+
+@compute @workgroup_size(64)
+fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= (shellfin.shells + shellfin.fin_rows) * shellfin.vertices {
+        return;
+    }
+    let v = i % shellfin.vertices;
+    let row = shell_rows[i / shellfin.vertices];
+    let root = root_of(v);
+    let n = root.at.normal;
+    let offset = hair(root, row.height) * root.height;
+    let x = root.at.position + offset;
+    let tangent = normalize(hair(root, row.height + 0.02) - hair(root, max(row.height - 0.02, 0.0)));
+    row_positions[i] = vec4f(x, bitcast<f32>(pack2x16snorm(octahedral_encode(tangent))));
+
+    let view = normalize(frame.eye - x);
+    var undercoat = vec3f(0.0);
+    var guard = vec3f(0.0);
+    let height = dot(offset, n) / max(shell_vertices[v].height, 1e-4);
+    var lean = tangent;
+    if shellfin.curved == 1u {
+        lean = normalize(n + fur.lean * min(height, 1.0));
+    }
+    if shellfin.lighting == 1u {
+        for (var j = 0u; j < fur.lights; j++) {
+            let l = lights.lights[j].direction;
+            let value = table(dot(tangent, l), dot(tangent, normalize(l + view + n * 1e-4)));
+            undercoat += lights.lights[j].irradiance * value;
+        }
+        undercoat *= row.shade;
+        guard = undercoat;
+    } else {
+        let side = normalize(cross(tangent, select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(tangent.x) > 0.7)));
+        let other = cross(tangent, side);
+        for (var j = 0u; j < fur.lights; j++) {
+            let l = lights.lights[j].direction;
+            let depth = column_tau(v, height, j);
+            if lights.lights[j].undercoat == 1u {
+                undercoat += lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.undercoat))
+                    * kajiya_kay(lean, l, view);
+            }
+            if shellfin.guard == 1u {
+                // The hairs that a row stands for lean a little every way.
+                let through = lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.guard));
+                for (var k = 0u; k < 4u; k++) {
+                    let turn = 0.7853982 + 1.5707963 * f32(k);
+                    let t = normalize(tangent + 1.25 * shellfin.spread * (cos(turn) * side + sin(turn) * other));
+                    guard += 0.25 * through * scatter_fibre(fibre, t, l, view, row.guard, radians(37.5));
+                }
+            }
+        }
+        guard /= max(row.guard, vec3f(1e-3));
+    }
+    row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
+        pack2x16snorm(octahedral_encode(lean)));
+}

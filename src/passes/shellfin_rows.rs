@@ -1,0 +1,33 @@
+//! Shells and fins: rows of vertices above the skin, and their light.
+
+use crate::Result;
+use crate::gpu::{Gpu, Kernel, Recorder, Scope};
+
+/// Shells and fins: rows of vertices above the skin, and their light.
+pub struct ShellfinRows {
+    main: Kernel,
+}
+
+impl ShellfinRows {
+    /// Compiles the kernel.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self { main: Kernel::new(gpu, "shellfin_rows", "main")? })
+    }
+
+    /// Writes `row_positions` and `row_lights`, `rows` times the skin's `vertices`.
+    ///
+    /// # Errors
+    /// [`crate::Error::Gpu`] if a binding is missing.
+    pub fn record(
+        &self,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        rows: u32,
+        vertices: u32,
+    ) -> Result<()> {
+        recorder.dispatch(&self.main, scope, u64::from(rows) * u64::from(vertices))
+    }
+}

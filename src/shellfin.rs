@@ -1,0 +1,278 @@
+//! Shells and fins: the real-time image of a fur, drawn by the rasteriser with baked textures. The order of drawing, the
+//! fins' fade, lighting by a table and levels of detail are those of Lengyel et al. 2001; the silhouette test by a threshold and shells
+//! without depth writing those of NVIDIA's sample; forces and the shadow between hairs those of the xbdev tutorial.
+// [Lengyel2001], [Tariq2007], [Xbdev]
+
+mod geometry;
+mod picture;
+mod rows;
+mod table;
+mod textures;
+
+pub use geometry::{corners, edges};
+pub use picture::{Pictures, render};
+pub use rows::{FIN_ROWS, levels, rows};
+pub use table::{hair_lighting, lighting_table};
+pub use textures::Means;
+
+use crate::bake::FurTextures;
+use crate::gpu::recorder::{RasterTargets, Timings};
+use crate::gpu::{Buffer, Gpu, Recorder, Resource, Scope};
+use crate::layout::{Brush, Frame, ShellRow, Shellfin};
+use crate::passes::shellfin_raster::{Draws, ShellfinRaster, Uses};
+use crate::passes::shellfin_rows::ShellfinRows;
+use crate::prepare::Prepared;
+use crate::scene::{BakeSource, Color, FinFade, Mapping, Scalar, ShellLighting};
+use crate::{Error, Result, World, lapped};
+use bytemuck::Zeroable;
+use glam::Vec3;
+
+/// How far the direction of hairs strays that did not grow from the groom, tangent of the angle: seen along it they still hide something.
+const STRAY: f32 = 0.3;
+
+/// A fur as shells and fins on the GPU.
+pub struct Shellfins<'g> {
+    gpu: &'g Gpu,
+    world: &'g World,
+    prepared: Prepared<'g>,
+    pass_rows: ShellfinRows,
+    pass_raster: ShellfinRaster,
+    textures: textures::Uploaded,
+    means: Vec<Means>,
+    /// Layers of the textures.
+    layers: u32,
+    base: Shellfin,
+    buffers: Vec<Buffer>,
+    edges: u32,
+    /// The middle of the skin's bounds, and their diameter, cm.
+    bounds: (Vec3, f32),
+}
+
+/// What changes from frame to frame beside the camera.
+#[derive(Debug, Clone, Copy, Default)]
+pub struct Moment {
+    /// Displacement of the tips by forces, in heights of the fur, world space.
+    pub bend: Vec3,
+}
+
+impl Moment {
+    /// The rest position under the scene's steady forces: b = m a / k.
+    // [Xbdev]
+    pub fn at_rest(world: &World) -> Self {
+        let d = &world.scene.shells.dynamics;
+        Self { bend: (Vec3::from(d.gravity) + Vec3::from(d.wind)) / d.stiffness }
+    }
+}
+
+/// A frame's own rows.
+pub struct Rows {
+    /// What is drawn, as uploaded.
+    pub shellfin: Shellfin,
+    /// The rows, shells first.
+    pub rows: Vec<ShellRow>,
+    /// What is drawn, in numbers.
+    pub draws: Draws,
+    buffers: [Buffer; 4],
+}
+
+/// The textures that the scene names, or those that it says to bake.
+///
+/// # Errors
+/// [`Error::Scene`] or [`Error::Io`] if the named files are missing or broken, and what [`crate::bake::bake`] returns.
+pub fn textures(world: &World) -> Result<FurTextures> {
+    match &world.textures {
+        Some(manifest) => crate::bake::load(manifest),
+        None => crate::bake::bake(world),
+    }
+}
+
+impl<'g> Shellfins<'g> {
+    /// Lays `textures` on the skin and uploads everything that stays from frame to frame. `frame` is the first view: the light on
+    /// the skin is that of its eye.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`], [`Error::Gpu`].
+    pub fn new(
+        gpu: &'g Gpu,
+        world: &'g World,
+        textures: &FurTextures,
+        frame: &Frame,
+        timings: &mut Timings,
+    ) -> Result<Self> {
+        let scene = &world.scene;
+        let shells = &scene.shells;
+        let skin = &world.skin;
+        let prepared = Prepared::new(gpu, world, frame, timings)?;
+        let corner_uv = match shells.mapping {
+            Mapping::Lapped => lapped::lap(skin, scene)?.corner_uv,
+            Mapping::Uv => geometry::uv_in_cm(skin).ok_or_else(|| {
+                Error::Usage(
+                    "shells.mapping = \"uv\": the mesh has no uv; use \"lapped\" or add uv to the mesh".into(),
+                )
+            })?,
+        };
+        let corners = corners(skin, &corner_uv);
+        let fin_edges = edges(skin);
+        let mut brushes: Vec<Brush> = shells
+            .brushes
+            .iter()
+            .map(|b| Brush { center: b.center, radius: b.radius, direction: b.direction, padding: 0 })
+            .collect();
+        let strokes = brushes.len() as u32;
+        // A binding holds one element at least.
+        brushes.resize(brushes.len().max(1), Brush::zeroed());
+        let manifest = &textures.manifest;
+        let hybrid = manifest.source == BakeSource::Hybrid;
+        let brightest = world
+            .lights
+            .iter()
+            .max_by(|a, b| a.irradiance.element_sum().total_cmp(&b.irradiance.element_sum()));
+        let base = Shellfin {
+            comb: shells.comb,
+            fin_rows: FIN_ROWS,
+            shadow_direction: brightest.map_or(Vec3::Y, |l| l.direction).into(),
+            lighting: u32::from(shells.lighting == ShellLighting::Table),
+            torus: manifest.patch,
+            fin_length: manifest.fin_length,
+            height: shells.spacing.map_or(manifest.height, |s| s * manifest.layers as f32),
+            fade: match shells.fade {
+                FinFade::Cosine => 0,
+                FinFade::Threshold => 1,
+                FinFade::Both => 2,
+            },
+            fin_threshold: shells.fin_threshold,
+            slanted: u32::from(shells.slanted),
+            shadow_offset: shells.shadow.offset,
+            shadow_strength: shells.shadow.strength,
+            vertices: skin.positions.len() as u32,
+            brushes: strokes,
+            curved: u32::from(hybrid),
+            spread: scene.guard.spread.to_radians().tan(),
+            guard: u32::from(!textures.guard.is_empty()),
+            edge_fade: f32::from(u8::from(shells.slanted && shells.fins)),
+            fin_slant: if shells.slanted { geometry::mean_edge(skin, &fin_edges) / (scene.bake.fin_slab * manifest.patch[0]) } else { 1.0 },
+            ..Shellfin::zeroed()
+        };
+        let (low, high) = skin.bounds();
+        let buffers = vec![
+            gpu.upload("fur_corners", 4, &corners)?,
+            gpu.upload("fin_edges", 4, &fin_edges)?,
+            gpu.upload("brushes", 3, &brushes)?,
+            gpu.upload("vertex_uv", 3, &crate::prepare::vertex_uv(skin))?,
+            gpu.uniform("lighting_table", &lighting_table(&shells.table))?,
+        ];
+        let uses = Uses {
+            guard: base.guard == 1,
+            detail: shells.lod.enabled,
+            shadow: shells.shadow.strength > 0.0,
+            mapped: !matches!((&shells.color, &shells.length), (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))),
+        };
+        let (uploaded, means) = textures::upload(gpu, textures)?;
+        Ok(Self {
+            gpu,
+            world,
+            prepared,
+            pass_rows: ShellfinRows::new(gpu)?,
+            pass_raster: ShellfinRaster::new(gpu, uses)?,
+            textures: uploaded,
+            means,
+            layers: textures.layers.len() as u32,
+            base,
+            buffers,
+            edges: if shells.fins { fin_edges.len() as u32 } else { 0 },
+            bounds: (0.5 * (low + high), (high - low).length()),
+        })
+    }
+
+    /// The skin and the light in its fur.
+    pub fn prepared(&self) -> &Prepared<'g> {
+        &self.prepared
+    }
+
+    /// A buffer that stays from frame to frame: `fur_corners`, `fin_edges`, `brushes`, `vertex_uv`.
+    pub fn buffer(&self, name: &str) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == name)
+    }
+
+    /// Places and lights the rows of vertices above the skin for a view.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if the rows do not fit a binding, [`Error::Gpu`].
+    pub fn rows(&self, frame: &Frame, moment: &Moment, timings: &mut Timings) -> Result<Rows> {
+        let gpu = self.gpu;
+        let shells = &self.world.scene.shells;
+        let distance = (Vec3::from(frame.eye) - self.bounds.0).length() / self.bounds.1.max(1e-6);
+        let drawn = if shells.shells { shells.layers.unwrap_or(self.layers).min(self.layers) } else { 0 };
+        let all = rows(shells, self.layers, drawn, distance, &self.means, &|height| self.jitter(height));
+        let count = all.len() as u32;
+        let shellfin =
+            Shellfin { bend: moment.bend.into(), shells: count - FIN_ROWS, ..self.base };
+        let elements = u64::from(count) * u64::from(self.base.vertices);
+        let buffers = [
+            gpu.uniform("shellfin", &shellfin)?,
+            gpu.upload("shell_rows", 3, &all)?,
+            gpu.storage("row_positions", 3, elements * 16)?,
+            gpu.storage("row_lights", 3, elements * 16)?,
+        ];
+        let frame = gpu.uniform("frame", frame)?;
+        let scope = self.scope().with(&buffers.each_ref()).with(&[&frame]);
+        let mut recorder = Recorder::new(gpu);
+        self.pass_rows.record(&mut recorder, &scope, count, self.base.vertices)?;
+        recorder.submit(timings)?;
+        let draws = Draws {
+            triangles: self.prepared.triangles,
+            edges: self.edges,
+            fin_rows: FIN_ROWS,
+            shells: shellfin.shells,
+            depth_write: shells.depth_write,
+        };
+        Ok(Rows { shellfin, rows: all, draws, buffers })
+    }
+
+    /// Variance of the direction of the hairs that are not guard hairs, an axis, at a row's height.
+    fn jitter(&self, height: f32) -> f32 {
+        if self.base.curved == 0 {
+            return STRAY * STRAY;
+        }
+        // As the undercoat's tangents are turned at random (shaders/shared/volume.wgsl).
+        let coat = &self.world.scene.undercoat;
+        let t = (height * self.base.height / coat.height.max().max(1e-6)).min(1.0);
+        (coat.tangent_jitter * t.powf(coat.jitter_exponent)).powi(2) / 3.0
+    }
+
+    /// Draws a frame with the rows of its view.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`], [`Error::DeviceLost`].
+    pub fn draw(
+        &self,
+        frame: &Buffer,
+        rows: &Rows,
+        targets: &RasterTargets<'_>,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let scope = self.scope().with(&rows.buffers.each_ref()).with(&[frame]);
+        let mut recorder = Recorder::new(self.gpu);
+        self.pass_raster.record(&mut recorder, &scope, targets, &rows.draws)?;
+        recorder.submit(timings)
+    }
+
+    /// Everything that stays from frame to frame, by name.
+    pub fn scope(&self) -> Scope<'_> {
+        self.prepared
+            .scope()
+            .with(&self.buffers.iter().collect::<Vec<_>>())
+            .and("layers", Resource::Texture(&self.textures.layers))
+            .and("guard_layers", Resource::Texture(&self.textures.guard))
+            .and("fin", Resource::Texture(&self.textures.fin))
+            .and("repeating", Resource::Sampler(&self.textures.repeating))
+            .and("upright", Resource::Sampler(&self.textures.upright))
+    }
+}
+
+impl Rows {
+    /// A buffer by its name: `shellfin`, `shell_rows`, `row_positions`, `row_lights`.
+    pub fn buffer(&self, name: &str) -> Option<&Buffer> {
+        self.buffers.iter().find(|b| b.name == name)
+    }
+}

@@ -1,0 +1,158 @@
+//! `shellfin_raster` against its twin: the picture of skin, fins and shells.
+
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/shellfins.rs"]
+mod shellfins;
+
+use glam::{Vec3, Vec4};
+use pelage::bake::{FurTextures, lod};
+use pelage::gpu::recorder::Timings;
+use pelage::gpu::{Recorder, Resource};
+use pelage::layout::{FinEdge, FurCorner};
+use pelage::passes::shellfin_raster::{ShellfinRaster, Uses};
+use pelage::reference::film::{halves, unpack};
+use pelage::reference::shellfin_raster::{Picture, Pixel, fin_fade};
+use pelage::reference::shellfin_rows;
+use pelage::scene::BakeSource;
+use pelage::shellfin::Pictures;
+use shellfins::{Fur, even, fur_world, textures};
+
+/// The GPU's samples (colour and depth) and the twin's.
+fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Option<Vec<(Vec4, f32, Pixel)>> {
+    let gpu = gpu::open()?;
+    let fur = Fur::new(gpu, fur_world(text), maps, Vec3::ZERO);
+    let size = fur.frame.tile_size;
+    let samples = u64::from(size[0] * size[1]);
+    let pictures = Pictures::new(gpu, size).unwrap();
+    let frame = gpu.uniform("frame", &fur.frame).unwrap();
+    let mut timings = Timings::default();
+    fur.fur.draw(&frame, &fur.rows, &pictures.targets(size), &mut timings).unwrap();
+    let buffer = gpu.storage("samples", 7, samples * 32).unwrap();
+    let [color, depth] = pictures.views();
+    let scope = fur.fur.scope().with(&[&frame, &buffer]);
+    let scope = scope.and("color_target", Resource::Texture(color)).and("depth_target", Resource::Texture(depth));
+    let uses = Uses { guard: false, detail: false, shadow: false, mapped: false };
+    let mut recorder = Recorder::new(gpu);
+    ShellfinRaster::new(gpu, uses).unwrap().record_samples(&mut recorder, &scope, samples).unwrap();
+    recorder.submit(&mut timings).unwrap();
+    let words: Vec<[u32; 8]> = gpu.read(&buffer, samples * 32).unwrap();
+
+    let vertices = fur.vertices(gpu);
+    let prepared = fur.fur.prepared();
+    let base: Vec<[u32; 2]> = gpu.read(prepared.buffer("base_light").unwrap(), vertices.len() as u64 * 8).unwrap();
+    let base: Vec<Vec3> = base
+        .iter()
+        .map(|w| Vec3::new(halves(w[0])[0], halves(w[0])[1], halves(w[1])[0]))
+        .collect();
+    let corners: Vec<FurCorner> =
+        gpu.read(fur.fur.buffer("fur_corners").unwrap(), u64::from(prepared.triangles) * 72).unwrap();
+    let edges: Vec<FinEdge> = gpu.read(fur.fur.buffer("fin_edges").unwrap(), 12 * 16).unwrap();
+    let count = (fur.rows.rows.len() * vertices.len()) as u64;
+    let positions: Vec<[f32; 4]> = gpu.read(fur.rows.buffer("row_positions").unwrap(), count * 16).unwrap();
+    let lights: Vec<[u32; 4]> = gpu.read(fur.rows.buffer("row_lights").unwrap(), count * 16).unwrap();
+    let row_vertices: Vec<_> =
+        positions.iter().zip(&lights).map(|(p, l)| shellfin_rows::unpack(*p, *l)).collect();
+    let coarser = lod::coarser(&fur.textures);
+    let layers: Vec<_> = fur.textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).cloned().collect();
+    let guard: Vec<_> = fur.textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).cloned().collect();
+    let mut picture = Picture {
+        shellfin: &fur.rows.shellfin,
+        draws: fur.rows.draws,
+        frame: &fur.frame,
+        vertices: &vertices,
+        base_light: &base,
+        corners: &corners,
+        edges: &edges,
+        rows: &fur.rows.rows,
+        row_vertices: &row_vertices,
+        layers: &layers,
+        guard_layers: &guard,
+        fin: [&fur.textures.fin, &fur.textures.fin_guard],
+    };
+    change(&mut picture);
+    let found = words.into_iter().map(|words| {
+        let s = unpack(words);
+        (s.undercoat.extend(1.0 - s.through), s.z)
+    });
+    Some(found.zip(picture.draw()).map(|((color, z), pixel)| (color, z, pixel)).collect())
+}
+
+/// Share of the samples that agree, of those not at an edge, and the number of these that show fur beyond the skin.
+fn agreement(samples: &[(Vec4, f32, Pixel)], tolerance: f32) -> (f64, usize) {
+    let clear: Vec<_> = samples.iter().filter(|(_, _, pixel)| pixel.margin > 0.02).collect();
+    let good = clear.iter().filter(|(color, z, pixel)| {
+        let same_depth = pixel.depth.is_infinite() == (*z > 1e29)
+            && (pixel.depth.is_infinite() || (pixel.depth - z).abs() < 1e-3);
+        same_depth && (*color - pixel.color).abs().max_element() < tolerance
+    });
+    let fringe = clear.iter().filter(|(_, _, p)| p.color.w > 0.05 && p.color.w < 0.95).count();
+    (good.count() as f64 / clear.len() as f64, fringe)
+}
+
+#[test]
+fn even_layers_are_those_of_the_twin() {
+    for (text, source) in [
+        ("lighting = 'table'\nfins = false\nslanted = false", BakeSource::Dots),
+        ("depth_write = false", BakeSource::Hybrid),
+        ("fade = 'both'\nfin_threshold = 0.4\nlod = { enabled = true, distance = 1.7 }", BakeSource::Hybrid),
+        ("shells = false\nfade = 'threshold'", BakeSource::Hybrid),
+    ] {
+        let maps = even(source, 6, source == BakeSource::Hybrid);
+        let Some(samples) = both(text, maps, |_| ()) else { return };
+        let (share, fringe) = agreement(&samples, 6e-3);
+        println!("{text:?}: {share:.4} agree, {fringe} samples of fringe");
+        assert!(share > 0.995 && fringe > 100, "{text}: {share} {fringe}");
+    }
+}
+
+#[test]
+fn patterns_are_those_of_the_twin_where_they_are_magnified() {
+    let maps = textures(BakeSource::Hybrid, 4, 8, true, |layer, u, v, part| {
+        let wave = |k: f32| 0.5 + 0.5 * (std::f32::consts::TAU * k).sin();
+        let coverage = 0.1 + 0.3 * wave(u + 0.1 * layer as f32) * wave(v);
+        let share = if part { 0.5 * wave(u + v) } else { 1.0 };
+        [0.7 * coverage * share, 0.4 * coverage * share, 0.2 * wave(v) * coverage * share, coverage * share]
+    });
+    let Some(samples) = both("", maps, |_| ()) else { return };
+    // Half a level of minification is left at grazing angles.
+    let (share, _) = agreement(&samples, 0.02);
+    println!("{share:.4} agree");
+    assert!(share > 0.97, "{share}");
+}
+
+#[test]
+fn another_order_is_noticed() {
+    let maps = even(BakeSource::Hybrid, 6, true);
+    let Some(samples) = both("", maps, |picture| picture.draws.shells -= 1) else { return };
+    assert!(agreement(&samples, 6e-3).0 < 0.9);
+}
+
+#[test]
+fn fins_fade_as_the_paper_says() {
+    use pelage::layout::{ShellVertex, Shellfin};
+    use pelage::skin::NONE;
+    let vertex = |x: f32, y: f32, z: f32| ShellVertex {
+        position: [x, y, z],
+        height: 0.3,
+        normal: [0.0, 1.0, 0.0],
+        color: !0,
+    };
+    // A flat piece of skin facing +y, its edge along x.
+    let vertices = [vertex(-0.5, 0.0, 0.0), vertex(0.5, 0.0, 0.0), vertex(0.0, 0.0, -1.0), vertex(0.0, 0.0, 1.0)];
+    let edge = FinEdge { a: 0, b: 1, opposite: [2, 3] };
+    let mut shellfin: Shellfin = bytemuck::Zeroable::zeroed();
+    shellfin.fin_threshold = 0.25;
+    let eye = |degrees: f32| Vec3::new(0.0, degrees.to_radians().sin(), degrees.to_radians().cos()) * 1e4;
+    for (degrees, wanted) in [(0.0, 1.0), (30.0, 0.7320508), (45.0, 0.4142136), (60.0, 0.0), (90.0, 0.0)] {
+        let found = fin_fade(&shellfin, &vertices, &edge, eye(degrees));
+        assert!((found - wanted).abs() < 1e-3, "{degrees}: {found}");
+    }
+    shellfin.fade = 1;
+    assert_eq!([5.0, 14.0, 15.0].map(|d| fin_fade(&shellfin, &vertices, &edge, eye(d))), [1.0, 1.0, 0.0]);
+    let border = FinEdge { opposite: [2, NONE], ..edge };
+    assert_eq!(fin_fade(&shellfin, &vertices, &border, eye(80.0)), 1.0);
+    shellfin.fade = 2;
+    assert!((fin_fade(&shellfin, &vertices, &edge, eye(0.1)) - 1.0).abs() < 0.02);
+    assert_eq!(fin_fade(&shellfin, &vertices, &edge, eye(20.0)), 0.0);
+}
