@@ -237,19 +237,19 @@ impl Paste<'_> {
     /// Drops patches that later ones hide everywhere.
     fn drop_hidden(&mut self) {
         let Lapped { patches, topmost, .. } = &mut *self.lapped;
-        let mut number = vec![u32::MAX; patches.len()];
-        topmost.iter().for_each(|p| number[*p as usize] = 0);
-        let mut next = 0;
-        for n in number.iter_mut().filter(|n| **n == 0) {
-            *n = next;
-            next += 1;
-        }
+        let mut shown = vec![false; patches.len()];
+        topmost.iter().for_each(|p| shown[*p as usize] = true);
+        // How many of those before a patch are shown: its new number.
+        let number: Vec<u32> = shown
+            .iter()
+            .scan(0, |count, shown| {
+                *count += u32::from(*shown);
+                Some(*count - u32::from(*shown))
+            })
+            .collect();
         topmost.iter_mut().for_each(|p| *p = number[*p as usize]);
-        let mut old = 0;
-        patches.retain(|_| {
-            old += 1;
-            number[old - 1] != u32::MAX
-        });
+        let mut shown = shown.into_iter();
+        patches.retain(|_| shown.next().unwrap_or(true));
     }
 
     fn look_up_topmost(&mut self) {

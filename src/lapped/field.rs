@@ -130,7 +130,7 @@ fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
             .for_each(|(z, p)| largest[*p as usize] = largest[*p as usize].max(z.re.hypot(z.im)));
         for (z, part) in z.iter_mut().zip(&surface.part) {
             let scale = 1.0 / largest[*part as usize].max(f64::MIN_POSITIVE);
-            *z = *z * scale;
+            *z *= scale;
         }
     }
     let near = Laplacian::new(surface, 50.0, |_, _| 0.0)?;
@@ -154,7 +154,7 @@ fn interpolated(surface: &Surface, vectors: &[FieldVector]) -> Result<Vec<Comple
         let (f, z) = placed(surface, vector)
             .map_err(|message| Error::fault(format!("lapped.vectors.{i}"), message))?;
         weight[f] += 1e3;
-        given[f] = given[f] + z * 1e3;
+        given[f] += z * 1e3;
     }
     let laplacian = Laplacian::new(surface, 1e-6, |f, _| weight[f])?;
     let z = laplacian.solve(&given, |_| 1.0);

@@ -34,6 +34,10 @@ pub(super) struct Region {
 /// Cosine of the angle between the directions of two faces below which a patch does not go from one to the other.
 const PARTING: f64 = 0.5;
 
+/// Stretch of a face where it is expected past which it is not tried. Much more than [`flatten::LIMIT`]: flattening spreads
+/// it over the patch, and a face that is left out is a tear.
+const HOPELESS: f64 = 8.0;
+
 /// Faces cut off from a patch this often are the last: then it is halved instead.
 const CUTS: usize = 6;
 
@@ -115,7 +119,10 @@ impl<'a> Grower<'a> {
                 continue;
             }
             let uv = self.expected(&region, next.face, next.direction);
-            if accept(&uv) {
+            // What does not fit at all where it is expected will not fit once the patch is flat.
+            let shape = self.surface.frames[f].turned(next.direction);
+            let [most, least] = flatten::Map::of(&shape, &uv).stretch;
+            if most <= HOPELESS && least >= 1.0 / HOPELESS && accept(&uv) {
                 self.add(&mut region, next.face, next.direction, &uv, &mut heap, seed);
             }
         }
