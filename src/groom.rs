@@ -2,7 +2,9 @@
 
 use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
+use crate::scene::{
+    Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting,
+};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};

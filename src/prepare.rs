@@ -16,8 +16,8 @@ use crate::{Error, Result, World};
 use lattice::{Lattice, number_edges};
 use occluders::bvh;
 use std::sync::Arc;
-pub(crate) use surface::{shell_normals, vertex_uv};
 use surface::{corner_uv, skin_vertices, subdivide};
+pub(crate) use surface::{shell_normals, vertex_uv};
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {

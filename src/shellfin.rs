@@ -112,7 +112,8 @@ impl<'g> Shellfins<'g> {
             Mapping::Lapped => lapped::lap(skin, scene)?.corner_uv,
             Mapping::Uv => geometry::uv_in_cm(skin).ok_or_else(|| {
                 Error::Usage(
-                    "shells.mapping = \"uv\": the mesh has no uv; use \"lapped\" or add uv to the mesh".into(),
+                    "shells.mapping = \"uv\": the mesh has no uv; use \"lapped\" or add uv to the mesh"
+                        .into(),
                 )
             })?,
         };
@@ -169,7 +170,10 @@ impl<'g> Shellfins<'g> {
             guard: base.guard == 1,
             detail: shells.lod.enabled,
             shadow: shells.shadow.strength > 0.0,
-            mapped: !matches!((&shells.color, &shells.length), (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))),
+            mapped: !matches!(
+                (&shells.color, &shells.length),
+                (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))
+            ),
         };
         let fin_depth = if shells.slanted {
             FIN_SPACING * geometry::mean_edge(skin, &fin_edges) / manifest.fin_depth
@@ -216,8 +220,7 @@ impl<'g> Shellfins<'g> {
         let drawn = if shells.shells { shells.layers.unwrap_or(self.layers).min(self.layers) } else { 0 };
         let all = rows(shells, self.layers, drawn, distance, &self.means, &|height| self.jitter(height));
         let count = all.len() as u32;
-        let shellfin =
-            Shellfin { bend: moment.bend.into(), shells: count - FIN_ROWS, ..self.base };
+        let shellfin = Shellfin { bend: moment.bend.into(), shells: count - FIN_ROWS, ..self.base };
         let elements = u64::from(count) * u64::from(self.base.vertices);
         let buffers = [
             gpu.uniform("shellfin", &shellfin)?,

@@ -31,7 +31,8 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let buffer = gpu.storage("samples", 7, samples * 32).unwrap();
     let [color, depth] = pictures.views();
     let scope = fur.fur.scope().with(&[&frame, &buffer]);
-    let scope = scope.and("color_target", Resource::Texture(color)).and("depth_target", Resource::Texture(depth));
+    let scope =
+        scope.and("color_target", Resource::Texture(color)).and("depth_target", Resource::Texture(depth));
     let uses = Uses { guard: false, detail: false, shadow: false, mapped: false };
     let mut recorder = Recorder::new(gpu);
     ShellfinRaster::new(gpu, uses).unwrap().record_samples(&mut recorder, &scope, samples).unwrap();
@@ -40,11 +41,10 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
 
     let vertices = fur.vertices(gpu);
     let prepared = fur.fur.prepared();
-    let base: Vec<[u32; 2]> = gpu.read(prepared.buffer("base_light").unwrap(), vertices.len() as u64 * 8).unwrap();
-    let base: Vec<Vec3> = base
-        .iter()
-        .map(|w| Vec3::new(halves(w[0])[0], halves(w[0])[1], halves(w[1])[0]))
-        .collect();
+    let base: Vec<[u32; 2]> =
+        gpu.read(prepared.buffer("base_light").unwrap(), vertices.len() as u64 * 8).unwrap();
+    let base: Vec<Vec3> =
+        base.iter().map(|w| Vec3::new(halves(w[0])[0], halves(w[0])[1], halves(w[1])[0])).collect();
     let corners: Vec<FurCorner> =
         gpu.read(fur.fur.buffer("fur_corners").unwrap(), u64::from(prepared.triangles) * 72).unwrap();
     let edges: Vec<FinEdge> = gpu.read(fur.fur.buffer("fin_edges").unwrap(), 12 * 16).unwrap();
@@ -54,8 +54,10 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let row_vertices: Vec<_> =
         positions.iter().zip(&lights).map(|(p, l)| shellfin_rows::unpack(*p, *l)).collect();
     let coarser = lod::coarser(&fur.textures);
-    let layers: Vec<_> = fur.textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).cloned().collect();
-    let guard: Vec<_> = fur.textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).cloned().collect();
+    let layers: Vec<_> =
+        fur.textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).cloned().collect();
+    let guard: Vec<_> =
+        fur.textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).cloned().collect();
     let fins = pelage::shellfin::deepened(&fur.textures, fur.fur.fin_depth);
     let mut picture = Picture {
         shellfin: &fur.rows.shellfin,
@@ -140,7 +142,8 @@ fn fins_fade_as_the_paper_says() {
         color: !0,
     };
     // A flat piece of skin facing +y, its edge along x.
-    let vertices = [vertex(-0.5, 0.0, 0.0), vertex(0.5, 0.0, 0.0), vertex(0.0, 0.0, -1.0), vertex(0.0, 0.0, 1.0)];
+    let vertices =
+        [vertex(-0.5, 0.0, 0.0), vertex(0.5, 0.0, 0.0), vertex(0.0, 0.0, -1.0), vertex(0.0, 0.0, 1.0)];
     let edge = FinEdge { a: 0, b: 1, opposite: [2, 3] };
     let mut shellfin: Shellfin = bytemuck::Zeroable::zeroed();
     shellfin.fin_threshold = 0.25;

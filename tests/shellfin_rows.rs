@@ -54,7 +54,8 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
         frame: &fur.frame,
     };
     let count = fur.rows.rows.len() * vertices.len();
-    let positions: Vec<[f32; 4]> = gpu.read(fur.rows.buffer("row_positions").unwrap(), count as u64 * 16).unwrap();
+    let positions: Vec<[f32; 4]> =
+        gpu.read(fur.rows.buffer("row_positions").unwrap(), count as u64 * 16).unwrap();
     let lights: Vec<[u32; 4]> = gpu.read(fur.rows.buffer("row_lights").unwrap(), count as u64 * 16).unwrap();
     let mut pairs = Vec::new();
     for (i, row) in fur.rows.rows.iter().enumerate() {
@@ -68,7 +69,8 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
 
 /// Largest differences of position (cm), tangent, and light relative to the brightest.
 fn differences(pairs: &[(RowVertex, RowVertex)]) -> [f32; 4] {
-    let brightest = |f: fn(&RowVertex) -> Vec3| pairs.iter().map(|p| f(&p.1).max_element()).fold(1e-9, f32::max);
+    let brightest =
+        |f: fn(&RowVertex) -> Vec3| pairs.iter().map(|p| f(&p.1).max_element()).fold(1e-9, f32::max);
     let (u, g) = (brightest(|r| r.undercoat), brightest(|r| r.guard));
     pairs.iter().fold([0.0; 4], |worst, (a, b)| {
         [

@@ -294,13 +294,7 @@ impl RasterKernel {
     ///
     /// # Errors
     /// [`Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(
-        gpu: &Gpu,
-        stem: &'static str,
-        vertex: &str,
-        fragment: &str,
-        target: Target,
-    ) -> Result<Self> {
+    pub fn new(gpu: &Gpu, stem: &'static str, vertex: &str, fragment: &str, target: Target) -> Result<Self> {
         Self::specialised(gpu, stem, [vertex, fragment], target, &[])
     }
 

@@ -171,7 +171,10 @@ impl Picture<'_> {
 
     fn triangles(&self, varying: impl Fn(&FurCorner) -> Varying) -> Vec<Option<Ready>> {
         let corner = |c: &FurCorner| varying(c);
-        self.corners.chunks_exact(3).map(|c| self.ready([corner(&c[0]), corner(&c[1]), corner(&c[2])])).collect()
+        self.corners
+            .chunks_exact(3)
+            .map(|c| self.ready([corner(&c[0]), corner(&c[1]), corner(&c[2])]))
+            .collect()
     }
 
     /// The two triangles of each pair of rows of a fin.

@@ -57,7 +57,8 @@ pub fn rows(
             let stays = changes && layer % 2 == 0;
             let coarse = if stays { first(level + 1) + layer / 2 } else { NONE };
             let height = middle(level, layer);
-            let height = if stays { height + blend * (middle(level + 1, layer / 2) - height) } else { height };
+            let height =
+                if stays { height + blend * (middle(level + 1, layer / 2) - height) } else { height };
             let mean = means.get(fine as usize).copied().unwrap_or_default();
             let to = means.get(coarse as usize).map_or(0.0, |m| m.coverage);
             ShellRow {

@@ -55,7 +55,8 @@ pub(super) fn upload(
 ) -> Result<(Uploaded, Vec<Means>)> {
     let coarser = lod::coarser(textures);
     let all: Vec<&Texture> = textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).collect();
-    let mut guard: Vec<&Texture> = textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).collect();
+    let mut guard: Vec<&Texture> =
+        textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).collect();
     let means = (0..all.len()).map(|i| means(all[i], guard.get(i).copied())).collect();
     let none = Texture { width: 1, height: 1, texels: vec![[0.0; 4]] };
     if guard.is_empty() {

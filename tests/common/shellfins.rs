@@ -16,7 +16,8 @@ use pelage::{Skin, World, camera};
 /// A closed body of eight triangles with uv, 2 cm across.
 pub fn octahedron() -> Skin {
     let corners = [Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::NEG_Y, Vec3::NEG_Z].to_vec();
-    let faces = [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]].to_vec();
+    let faces =
+        [[0, 1, 2], [1, 3, 2], [3, 4, 2], [4, 0, 2], [1, 0, 5], [3, 1, 5], [4, 3, 5], [0, 4, 5]].to_vec();
     let mut body = skin(corners, faces);
     let uv = |v: u32| body.positions[v as usize].truncate() * 0.5 + body.positions[v as usize].z * 0.21;
     let corner_uv = body.triangles.iter().map(|t| t.map(uv)).collect();
