@@ -256,9 +256,7 @@ fn hair(clothed: &gltf::Clothed, i: usize, s: f32) -> Vec3 {
 #[test]
 fn the_renderer_draws_what_is_written() {
     let Some(gpu) = gpu::open() else { return };
-    for (source, more) in
-        [(BakeSource::Hybrid, ""), (BakeSource::Particles, ""), (BakeSource::Hybrid, "slanted = false")]
-    {
+    for (source, more) in [(BakeSource::Hybrid, ""), (BakeSource::Particles, "slanted = false")] {
         // The undercoat is too high for the inside of the ring.
         let text = format!(
             "[mesh]\nshape = 'torus'\n[[lights]]\ndirection = [0, 1, 0]\nirradiance = [1, 1, 1]\n\
