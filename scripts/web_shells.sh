@@ -9,7 +9,7 @@ set -eu
 . "$(dirname -- "$0")/setup.sh"
 
 # Most that the pictures may differ: the page filters with four samples a pixel and lights the vertices.
-most_flip=${MOST_FLIP:-0.035}
+most_flip=${MOST_FLIP:-0.02}
 
 need_node() {
     command -v npm >/dev/null || install "no npm" "nodejs npm" "nodejs npm" "nodejs npm"

@@ -1,6 +1,10 @@
 //! The glTF of a fur: what is in the buffer, read back by its accessors, and what is refused.
 
 mod common;
+#[path = "common/gpu.rs"]
+mod gpu;
+#[path = "common/shellfins.rs"]
+mod shellfins;
 
 use common::Folder;
 use glam::{Vec2, Vec3};
@@ -14,6 +18,7 @@ use pelage::{
     skin::NONE,
 };
 use serde_json::Value;
+use shellfins::{Fur, even};
 use std::collections::HashMap;
 
 const PATCH: f32 = 1.5;
@@ -67,8 +72,12 @@ struct Document {
 
 impl Document {
     fn of(world: &World) -> Self {
+        Self::with(world, &textures())
+    }
+
+    fn with(world: &World, textures: &FurTextures) -> Self {
         let folder = Folder::new();
-        let written = gltf::write(world, &lapped(world), &textures(), folder.path()).unwrap();
+        let written = gltf::write(world, &lapped(world), textures, folder.path()).unwrap();
         assert_eq!(written, ["fur.gltf", "fur.bin"].map(|n| folder.path().join(n)));
         assert_eq!(folder.names(), ["fur.bin", "fur.gltf"]);
         let json = serde_json::from_slice(&std::fs::read(&written[0]).unwrap()).unwrap();
@@ -235,6 +244,63 @@ fn hair_follows_length_comb_and_brush() {
         }
     }
     assert!(brushed > 0);
+}
+
+/// The longest hair of vertex `i` at `s` of its height, cm.
+fn hair(clothed: &gltf::Clothed, i: usize, s: f32) -> Vec3 {
+    let [p1, p2, p3] = clothed.hairs[i];
+    let r = 1.0 - s;
+    3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3
+}
+
+#[test]
+fn the_renderer_draws_what_is_written() {
+    let Some(gpu) = gpu::open() else { return };
+    for (source, more) in
+        [(BakeSource::Hybrid, ""), (BakeSource::Particles, ""), (BakeSource::Hybrid, "slanted = false")]
+    {
+        // The undercoat is too high for the inside of the ring.
+        let text = format!(
+            "[mesh]\nshape = 'torus'\n[[lights]]\ndirection = [0, 1, 0]\nirradiance = [1, 1, 1]\n\
+             [guard]\ncomb = 0.6\ncomb_direction = [1, 0, 0]\ngravity = 0.3\nspread = 14\n\
+             [undercoat]\nheight = 4\nlean = 0.4\n[shells]\nmapping = 'uv'\ncomb = [0, 0.3, 0.1]\n{more}\n\
+             [shells.dynamics]\nwind = [0, 0, 300]"
+        );
+        let mut textures = even(source, 6, source == BakeSource::Hybrid);
+        textures.manifest.height = 2.5;
+        textures.manifest.spacing = 2.5 / 6.0;
+        let (a, b) = (world(&text), world(&text));
+        let clothed = gltf::clothe(&a, &lapped(&a), &textures.manifest).unwrap();
+        let extras = Document::with(&a, &textures).extras().clone();
+        let extras: gltf::Extras = serde_json::from_value(extras).unwrap();
+        let bend = pelage::shellfin::Moment::at_rest(&a).bend;
+        let fur = Fur::new(gpu, b, textures, bend);
+        let vertices = a.skin.positions.len();
+        let count = (fur.rows.rows.len() * vertices) as u64;
+        let places: Vec<[f32; 4]> = gpu.read(fur.rows.buffer("row_positions").unwrap(), count * 16).unwrap();
+        let mut lowered = 0;
+        for (r, row) in fur.rows.rows.iter().enumerate() {
+            for i in 0..clothed.positions.len() {
+                let [x, y, z, _] = places[r * vertices + clothed.origin[i] as usize];
+                let place = clothed.positions[i] + hair(&clothed, i, row.height);
+                assert!(place.distance(Vec3::new(x, y, z)) < 2e-3, "{source:?} row {r} vertex {i}: {place}");
+                lowered += usize::from(clothed.hairs[i][2].dot(clothed.upright[i]) < 2.0);
+            }
+        }
+        assert_eq!(lowered > 0, source == BakeSource::Hybrid, "{lowered}");
+        let close = |a: f32, b: f32| assert!((a - b).abs() < 1e-5 * b.abs().max(1.0), "{a}, renderer {b}");
+        assert_eq!(extras.strays.len(), 6);
+        for (stray, row) in extras.strays.iter().zip(&fur.rows.rows) {
+            close(stray.guard, row.share);
+            close(stray.variance, row.jitter);
+        }
+        close(extras.guard_variance, fur.rows.shellfin.spread.powi(2));
+        close(extras.fins.depth, fur.fur.fin_depth);
+        let lean = Vec3::from(fur.fur.prepared().fur.lean);
+        let last = extras.strays[5].lean.map(Vec3::from);
+        let wanted = lean * (2.5 * 5.5 / 6.0 / 4.0);
+        assert!(last.map_or(source != BakeSource::Hybrid, |l| l.distance(wanted) < 1e-5), "{last:?}");
+    }
 }
 
 #[test]

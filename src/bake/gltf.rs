@@ -10,18 +10,20 @@
 //! | `COLOR_0` | colour of the bare skin, linear |
 //! | `_FUR` | from the skin to the tip of the longest hair, cm |
 //! | `_FUR_1`, `_FUR_2` | inner control points of its Bézier curve, relative to the skin, cm |
+//! | `_FUR_NORMAL` | direction in which upright hair stands |
 //! | `_FUR_COLOR` | factor on the textures' colour |
 //!
 //! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings, view and lights.
 
+mod heights;
 mod points;
 
 pub use points::{Clothed, FinEdge, clothe, fin_edges};
 
-use super::{FurTextures, Manifest};
+use super::{FurTextures, Manifest, Texture};
 use crate::{
-    Error, Result, World, files,
-    scene::{Background, Camera, FinFade, LightingTable, Tonemap},
+    Error, Result, World, files, groom,
+    scene::{Background, BakeSource, Camera, FinFade, LightingTable, Tonemap},
 };
 use glam::Vec3;
 use schemars::JsonSchema;
@@ -52,6 +54,10 @@ pub struct Extras {
     pub fin_texture: String,
     /// Which `TEXCOORD` is the place in the layers.
     pub fur_texcoord: u32,
+    /// The hairs in each layer, the innermost first; means of coverage and colour are in the manifest's `summary`.
+    pub strays: Vec<Stray>,
+    /// Variance of the guard hairs' direction about that of the hair, an axis.
+    pub guard_variance: f32,
     /// The edges on which fins stand.
     pub fins: FinAccessors,
     /// Settings.
@@ -60,14 +66,29 @@ pub struct Extras {
     pub view: View,
 }
 
+/// How directions stray in a layer.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+pub struct Stray {
+    /// Part of the coverage that is guard hair: it goes along the hair.
+    pub guard: f32,
+    /// All else goes along the upright direction and this, world space; none where it goes along the hair too.
+    pub lean: Option<[f32; 3]>,
+    /// Variance of its direction about that, an axis.
+    pub variance: f32,
+}
+
 /// Accessors of the fins, one element an edge.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FinAccessors {
     /// VEC4 of unsigned integers: vertices of the edge, the third vertex of the face whose edge it is, and that of the neighbour;
     /// 4294967295 where there is no neighbour.
     pub edges: u32,
     /// VEC2: u of the fin texture at both ends.
     pub u: u32,
+    /// Depth of fur that a fin stands for, by that of its texture: what a texel lets through is taken to this power, before mips are made.
+    pub depth: f32,
+    /// Rows of texels that the fin's coarsest mip keeps: light changes from skin to tip.
+    pub rows: u32,
 }
 
 /// How shells and fins are drawn: the part of the scene's `[shells]` that a client needs.
@@ -83,7 +104,7 @@ pub struct ShellSettings {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent.
     pub depth_write: bool,
-    /// Coverage grows with the way that a look takes through a layer.
+    /// Coverage grows with the way that a look takes through a layer; with fins, shells fade where they are seen from the edge.
     pub slanted: bool,
     /// Shells drawn, from the skin outwards; layer l stands at the height (l + 0.5) / `manifest.layers` of the hair.
     pub layers: u32,
@@ -133,7 +154,7 @@ pub fn write(
 ) -> Result<Vec<PathBuf>> {
     let clothed = clothe(world, lapped, &textures.manifest)?;
     let edges = fin_edges(world, &clothed, textures.manifest.fin_length);
-    let (document, bin) = document(world, &clothed, &edges, &textures.manifest)?;
+    let (document, bin) = document(world, &clothed, &edges, textures)?;
     let (gltf, buffer) = (dir.join(GLTF_FILE), dir.join(BIN_FILE));
     // The document last: where it stands, its buffer does too.
     files::write_buffered(&buffer, |out| Ok(out.write_all(&bin)?))?;
@@ -170,12 +191,51 @@ fn settings(world: &World, manifest: &Manifest) -> (ShellSettings, View) {
     (settings, view)
 }
 
+/// As the constants of these names in src/shellfin.rs and src/shellfin/textures.rs.
+const STRAY: f32 = 0.3;
+const FIN_SPACING: f32 = 0.4;
+const FIN_TEXELS: u32 = 8;
+
+fn fin_depth(world: &World, clothed: &Clothed, edges: &[FinEdge], manifest: &Manifest) -> f32 {
+    if !world.scene.shells.slanted {
+        return 1.0;
+    }
+    let length = |e: &FinEdge| {
+        let [a, b] = e.ends.map(|i| clothed.positions[i as usize]);
+        f64::from(a.distance(b))
+    };
+    let mean = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
+    FIN_SPACING * mean as f32 / manifest.fin_depth
+}
+
+/// How directions stray in each layer, as shells are drawn by `pelage render`.
+fn strays(world: &World, textures: &FurTextures) -> Result<Vec<Stray>> {
+    let manifest = &textures.manifest;
+    let (coat, fur) = (&world.scene.undercoat, groom::pack(world)?.fur);
+    let covered = |texture: &Texture| texture.texels.iter().map(|t| f64::from(t[3])).sum::<f64>();
+    let of_layer = |(l, layer): (usize, &Texture)| {
+        let guard = textures.guard.get(l).map_or(0.0, |guard| covered(guard) / covered(layer).max(1e-12));
+        let guard = guard.clamp(0.0, 1.0) as f32;
+        if manifest.source != BakeSource::Hybrid {
+            return Stray { guard, lean: None, variance: STRAY * STRAY };
+        }
+        // By the undercoat's height, above which nothing changes.
+        let height = (l as f32 + 0.5) * world.scene.shells.spacing.unwrap_or(manifest.spacing);
+        let height = (height / coat.height.max().max(1e-6)).min(1.0);
+        let jitter = coat.tangent_jitter * height.powf(coat.jitter_exponent);
+        let lean = Vec3::from(fur.lean) * height;
+        Stray { guard, lean: Some(lean.into()), variance: jitter * jitter / 3.0 }
+    };
+    Ok(textures.layers.iter().enumerate().map(of_layer).collect())
+}
+
 fn document(
     world: &World,
     clothed: &Clothed,
     edges: &[FinEdge],
-    manifest: &Manifest,
+    textures: &FurTextures,
 ) -> Result<(Value, Vec<u8>)> {
+    let manifest = &textures.manifest;
     let mut bin = Bin::default();
     let (low, high) = clothed
         .positions
@@ -190,6 +250,7 @@ fn document(
         "_FUR": bin.floats(clothed.hairs.iter().map(|h| h[2].to_array())),
         "_FUR_1": bin.floats(clothed.hairs.iter().map(|h| h[0].to_array())),
         "_FUR_2": bin.floats(clothed.hairs.iter().map(|h| h[1].to_array())),
+        "_FUR_NORMAL": bin.floats(clothed.upright.iter().map(Vec3::to_array)),
         "_FUR_COLOR": bin.floats(clothed.fur_colors.iter().map(Vec3::to_array)),
     });
     let fur_texcoord = u32::from(clothed.skin_uv.is_some());
@@ -203,6 +264,8 @@ fn document(
     let fins = FinAccessors {
         edges: bin.integers(edges.iter().map(|e| [e.ends[0], e.ends[1], e.opposite[0], e.opposite[1]])),
         u: bin.floats(edges.iter().map(|e| e.u)),
+        depth: fin_depth(world, clothed, edges, manifest),
+        rows: FIN_TEXELS,
     };
     // Only vertex attributes and indices are sent to a GPU as they are.
     for accessor in attributes.as_object().into_iter().flatten().filter_map(|(_, a)| a.as_u64()) {
@@ -215,6 +278,8 @@ fn document(
         layers_texture: LAYERS_FILE.into(),
         fin_texture: FIN_FILE.into(),
         fur_texcoord,
+        strays: strays(world, textures)?,
+        guard_variance: world.scene.guard.spread.to_radians().tan().powi(2),
         fins,
         shells,
         view,

@@ -1,7 +1,7 @@
 import * as THREE from 'three';
 
 const NONE = 0xffffffff;
-const ROWS = 5; // Of vertices, so that a fin bends with the hair.
+const ROWS = 9; // Of vertices, so that a fin bends with the hair, and light falls off into the fur.
 
 /** A strip of quads for each edge, as instances that the vertex shader turns into fins. */
 export function finGeometry(skin, edges, u) {
@@ -20,12 +20,17 @@ export function finGeometry(skin, edges, u) {
   // An edge without a neighbour is always on the silhouette: its missing face all but turns away.
   const second = a.map((_, i) => (d[i] ? normal(b[i], a[i], d[i]) : first[i].clone().multiplyScalar(-0.999)));
   const flat = (vectors) => vectors.flatMap((v) => v.toArray());
-  const names = { position: 'position', fur: '_fur', fur1: '_fur_1', fur2: '_fur_2', color: '_fur_color' };
+  const names = { position: 'position', fur: '_fur', fur1: '_fur_1', fur2: '_fur_2' };
   for (const [name, attribute] of Object.entries(names)) {
     ['A', 'B'].forEach((end, k) => add(name + end, 3, flat(column(skin.attributes[attribute], k))));
   }
+  // Colour and u: there are 16 attributes at most.
+  const colors = [0, 1].map((k) => column(skin.attributes._fur_color, k));
+  ['A', 'B'].forEach((end, k) => add('color' + end, 4, colors[k].flatMap((c, i) => [...c.toArray(), u.getComponent(i, k)])));
+  // Across the edge, square to the fur that stands on it.
+  const [upA, upB] = [0, 1].map((k) => column(skin.attributes._fur_normal, k));
+  add('across', 3, flat(a.map((_, i) => b[i].clone().sub(a[i]).cross(upA[i].add(upB[i])).normalize())));
   add('normalA', 3, flat(first));
   add('normalB', 3, flat(second));
-  add('u', 2, u.array);
   return geometry;
 }

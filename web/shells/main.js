@@ -4,7 +4,7 @@ import { GLTFLoader } from 'three/addons/loaders/GLTFLoader.js';
 import { OrbitControls } from 'three/addons/controls/OrbitControls.js';
 import { finGeometry } from './fins.js';
 import { skin, shells, fins } from './shaders.js';
-import { texture } from './texture.js';
+import { deepen, texture } from './texture.js';
 
 const query = new URLSearchParams(location.search);
 const folder = query.get('fur') ?? 'fur/';
@@ -21,15 +21,24 @@ async function main() {
   const set = fur.shells;
   for (const key of ['shells', 'fins', 'depth_write', 'slanted']) if (query.has(key)) set[key] = query.get(key) === '1';
 
+  deepen(fin, set.slanted ? fur.fins.depth : 1, fur.fins.rows);
+
   const skinGeometry = gltf.scene.getObjectByName('fur').geometry; // In cm: the node's scale to metres is left out.
   const shellGeometry = Object.assign(new THREE.InstancedBufferGeometry().copy(skinGeometry), { instanceCount: set.layers });
+  // A layer is an instance: its means, and how hairs stray in it.
+  const each = (name, size, of) => shellGeometry.setAttribute(name, new THREE.InstancedBufferAttribute(
+    new Float32Array(fur.strays.flatMap((stray, l) => of(stray, fur.manifest.summary[l]))), size));
+  each('mean', 4, (stray, layer) => [...layer.color, layer.coverage]);
+  each('lean', 4, ({ lean }) => (lean ? [...lean, 1] : [0, 0, 0, 0]));
+  each('stray', 2, ({ variance, guard }) => [variance, guard]);
   const lights = view.lights.map((l) => ({ direction: new THREE.Vector3(...l.direction), irradiance: new THREE.Vector3(...l.irradiance) }));
   const material = (part, more) => new THREE.ShaderMaterial({
     ...part, glslVersion: THREE.GLSL3, defines: { LIGHTS: Math.max(1, lights.length), FUR_UV: fur.fur_texcoord ? 'uv1' : 'uv' },
     uniforms: {
       layers: { value: layers }, fin: { value: fin }, lights: { value: lights }, table: { value: set.table },
       eye: { value: camera.position }, count: { value: fur.manifest.layers }, drawn: { value: set.layers },
-      slanted: { value: set.slanted }, fade: { value: ['cosine', 'threshold', 'both'].indexOf(set.fade) }, threshold: { value: set.fin_threshold },
+      slanted: { value: set.slanted }, edge: { value: set.slanted && set.fins }, guard_variance: { value: fur.guard_variance },
+      fade: { value: ['cosine', 'threshold', 'both'].indexOf(set.fade) }, threshold: { value: set.fin_threshold },
     }, ...more,
   });
   const blend = { // Colours are premultiplied.

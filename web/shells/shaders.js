@@ -52,45 +52,61 @@ export const skin = {
 /** All shells in one call: instances are drawn in order, the innermost first. */
 export const shells = {
   vertexShader: vertex(/* glsl */ `
-    in vec3 _fur, _fur_1, _fur_2, _fur_color;
-    in vec2 uv1;
-    out vec3 at, shade, hair, up, look;
+    in vec3 _fur, _fur_1, _fur_2, _fur_color, _fur_normal;
+    in vec2 uv1, stray;
+    in vec4 mean, lean; // Of the layer: colour and coverage; what leans less than hair, if it does.
+    out vec3 at, shade, hair, coat, up, look;
+    flat out vec4 fog;
+    flat out vec2 strays;
     void main() {
       float h = (float(gl_InstanceID) + 0.5) / count;
       bool bald = dot(_fur, _fur) == 0.0;
       vec3 p = position + along(_fur_1, _fur_2, _fur, h);
       hair = bald ? normal : tangent(_fur_1, _fur_2, _fur, h);
-      up = normal;
+      up = _fur_normal;
+      coat = lean.w > 0.0 ? normalize(up + lean.xyz) : hair;
       look = eye - p;
       shade = _fur_color * hairLight(hair, normalize(look)) * selfShadow(h);
       at = vec3(FUR_UV, gl_InstanceID);
+      fog = mean;
+      strays = stray;
       gl_Position = bald ? vec4(0) : projectionMatrix * viewMatrix * vec4(p, 1);
     }`),
   fragmentShader: fragment(/* glsl */ `
     uniform sampler2DArray layers;
-    uniform bool slanted;
-    in vec3 at, shade, hair, up, look;
+    uniform bool slanted, edge;
+    uniform float guard_variance;
+    in vec3 at, shade, hair, coat, up, look;
+    flat in vec4 fog;
+    flat in vec2 strays;
     out vec4 result;
+    // Mean sine of the angle between a look and hairs that spread about a direction.
+    float sine(vec3 hairs, vec3 v, float variance) {
+      float c = dot(normalize(hairs), v);
+      return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
+    }
     void main() {
-      vec4 texel = texture(layers, at);
-      float coverage = texel.a;
+      result = texture(layers, at) * vec4(shade, 1);
       if (slanted) {
-        // A slanting look takes a longer way through the layer; along the hairs it meets fewer of them.
+        // A slanting look takes a longer way through the layer; along the hairs it meets fewer of them. What the layer lets through on the
+        // average is taken to that power: less covers evenly less, more is fog of the layer's mean colour.
         vec3 v = normalize(look);
-        float c = dot(normalize(hair), v);
-        float way = sqrt(max(0.0, 1.0 - c * c) + 0.09 * c * c) / max(abs(dot(normalize(up), v)), 0.08);
-        coverage = 1.0 - pow(max(1.0 - texel.a, 0.0), way);
+        float facing = abs(dot(normalize(up), v)), through = 1.0 - min(fog.a, 0.9999);
+        float way = mix(sine(coat, v, strays.x), sine(hair, v, guard_variance), strays.y) / max(facing, 0.08);
+        if (way <= 1.0) result *= (1.0 - pow(through, way)) / max(fog.a, 1e-6);
+        else result += (1.0 - result.a) * (1.0 - pow(through, way - 1.0)) * vec4(fog.rgb * shade, 1);
+        // Where a shell is seen from its edge, as a line, the fins take over.
+        if (edge) result *= smoothstep(0.0, 0.35, facing);
       }
-      if (coverage < 0.002) discard;
-      result = vec4(texel.rgb * shade * coverage / max(texel.a, 1e-4), coverage);
+      if (result.a < 0.002) discard;
     }`),
 };
 
 /** Strips on edges: x of a corner runs along the edge, y from the skin to the tips. */
 export const fins = {
   vertexShader: vertex(/* glsl */ `
-    in vec3 positionA, positionB, furA, furB, fur1A, fur1B, fur2A, fur2B, colorA, colorB, normalA, normalB;
-    in vec2 u;
+    in vec3 positionA, positionB, furA, furB, fur1A, fur1B, fur2A, fur2B, normalA, normalB, across;
+    in vec4 colorA, colorB; // u in w
     uniform int fade;
     uniform float threshold;
     out vec3 shade;
@@ -101,8 +117,7 @@ export const fins = {
       vec3 v = normalize(eye - 0.5 * (positionA + positionB));
       float a = dot(normalA, v), b = dot(normalB, v), nearest = min(abs(a), abs(b));
       bool outline = a * b < 0.0;
-      float p = dot(normalize(cross(positionB - positionA, normalA + normalB)), v);
-      seen = fade == 0 ? max(0.0, 2.0 * abs(p) - 1.0)
+      seen = fade == 0 ? max(0.0, 2.0 * abs(dot(across, v)) - 1.0)
         : fade == 1 ? float(outline || nearest < threshold)
         : outline ? 1.0 : clamp(2.0 - 2.0 * nearest / max(threshold, 1e-4), 0.0, 1.0);
       bool second = position.x > 0.5;
@@ -111,8 +126,9 @@ export const fins = {
       bool bald = dot(h3, h3) == 0.0;
       vec3 x = (second ? positionB : positionA) + along(h1, h2, h3, h);
       vec3 hair = bald ? v : tangent(h1, h2, h3, h);
-      shade = (second ? colorB : colorA) * hairLight(hair, normalize(eye - x)) * selfShadow(h);
-      at = vec2(second ? u.y : u.x, h);
+      vec4 color = second ? colorB : colorA;
+      shade = color.rgb * hairLight(hair, normalize(eye - x)) * selfShadow(h);
+      at = vec2(color.w, h);
       gl_Position = seen > 0.0 ? projectionMatrix * viewMatrix * vec4(x, 1) : vec4(0);
     }`),
   fragmentShader: fragment(/* glsl */ `

@@ -1,6 +1,6 @@
 //! The skin's vertices as a client draws them: one for each place in the textures, with the hair that grows there.
 
-use super::Manifest;
+use super::{Manifest, heights};
 use crate::{
     Error, Result, Skin, World, groom,
     lapped::Lapped,
@@ -9,6 +9,7 @@ use crate::{
     prepare,
     reference::hash::{hash2, random},
     scene::{BakeSource, Channel, Color, Mapping, Scalar},
+    shellfin::Moment,
     skin::NONE,
 };
 use glam::{Vec2, Vec3};
@@ -21,6 +22,8 @@ pub struct Clothed {
     pub positions: Vec<Vec3>,
     /// Unit.
     pub normals: Vec<Vec3>,
+    /// Directions in which upright hair stands, unit: the normals without what is finer than the fur is high.
+    pub upright: Vec<Vec3>,
     /// The skin's own uv, v upwards; `None` where it has none.
     pub skin_uv: Option<Vec<Vec2>>,
     /// Place in the fur's textures, one unit a repeat.
@@ -30,7 +33,7 @@ pub struct Clothed {
     /// Factor on the textures' colour.
     pub fur_colors: Vec<Vec3>,
     /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one lies) to the tip, relative to the
-    /// skin, cm. A shell at height s (0..1) passes through the curve's point at s.
+    /// skin, cm. A shell at height s (0..1) passes through the curve's point at s, which is at s of the tip's height.
     pub hairs: Vec<[Vec3; 3]>,
     /// The vertex of the skin that each vertex was split from.
     pub origin: Vec<u32>,
@@ -76,6 +79,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
         ("patch", edges[0]),
         ("patch", edges[1]),
         ("fin_length", manifest.fin_length),
+        ("fin_depth", manifest.fin_depth),
         ("spacing", spacing),
         ("layers", manifest.layers as f32),
     ] {
@@ -87,6 +91,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     let curved = manifest.source == BakeSource::Hybrid;
     // Those along which `pelage render --fur shells` raises the shells.
     let upright = prepare::shell_normals(skin, groom::pack(world)?.fur.height);
+    let kept = if curved { heights::kept(world, &upright)? } else { vec![1.0; upright.len()] };
     let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
     let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (t, triangle) in skin.triangles.iter().enumerate() {
@@ -109,9 +114,10 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
                 color: skin.colors[*v as usize],
             };
             let shells = &world.scene.shells;
-            let length = scalar(world, "shells.length", &shells.length, &at)?.max(0.0);
+            let length = kept[*v as usize] * scalar(world, "shells.length", &shells.length, &at)?.max(0.0);
             clothed.positions.push(at.position);
             clothed.normals.push(at.normal);
+            clothed.upright.push(at.upright);
             clothed.fur_uv.push(fur_uv);
             clothed.skin_uv.as_mut().into_iter().for_each(|all| all.extend(uv));
             clothed.skin_colors.push(color(world, "base.color", &world.scene.base.color, &at)?);
@@ -124,9 +130,10 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     Ok(clothed)
 }
 
-/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes. Where the textures are baked from the groom
-/// (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as high as the fur.
-// [Lengyel2001] sec. 4.4
+/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by the scene's steady forces.
+/// Where the textures are baked from the groom (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as
+/// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
+// As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
 fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
     let (shells, guard) = (&world.scene.shells, &world.scene.guard);
     let n = at.upright;
@@ -140,18 +147,19 @@ fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
         lean += comb * scalar(world, "guard.comb", &guard.comb, at)?;
     }
     lean -= n * n.dot(lean);
-    if !curved {
-        let tip = n + lean;
-        return Ok([tip / 3.0, tip * (2.0 / 3.0), tip]);
+    let mut points = [lean / 3.0, lean * (2.0 / 3.0), lean];
+    if curved {
+        let fall = Vec3::NEG_Y * guard.gravity;
+        let above = |p: Vec3| p - n * p.dot(n).min(0.0);
+        let p1 = (n + 0.5 * lean).normalize_or(n) / 3.0;
+        let p2 = above(p1 + (n + 0.9 * lean + 0.35 * fall).normalize_or(n) / 3.0);
+        let p3 = above(p2 + (n + 1.25 * lean + fall).normalize_or(n) / 3.0);
+        points = [p1, p2, p3].map(|p| (p - n * p.dot(n)) / p3.dot(n).max(0.25));
     }
-    // As shaders/guard_strands.wgsl.
-    let fall = Vec3::NEG_Y * guard.gravity;
-    let above = |p: Vec3| p - n * p.dot(n).min(0.0);
-    let p1 = (n + 0.5 * lean).normalize_or(n) / 3.0;
-    let p2 = above(p1 + (n + 0.9 * lean + 0.35 * fall).normalize_or(n) / 3.0);
-    let p3 = above(p2 + (n + 1.25 * lean + fall).normalize_or(n) / 3.0);
-    let scale = 1.0 / p3.dot(n).max(0.25);
-    Ok([p1 * scale, p2 * scale, p3 * scale])
+    // The curve whose control points are at even heights is at even heights itself.
+    let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
+    let p3 = p3 + Moment::at_rest(world).bend;
+    Ok([p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)])
 }
 
 /// The skin's own uv, scaled so that one unit is a centimetre on the average of the area; `None` without uv.
@@ -193,16 +201,16 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
 }
 
 /// A point of the skin where parameters are read.
-struct Point {
-    position: Vec3,
-    normal: Vec3,
+pub(super) struct Point {
+    pub position: Vec3,
+    pub normal: Vec3,
     /// Direction of upright hair, unit: the normal without what is finer than the fur is high.
-    upright: Vec3,
-    uv: Option<Vec2>,
-    color: Vec3,
+    pub upright: Vec3,
+    pub uv: Option<Vec2>,
+    pub color: Vec3,
 }
 
-fn scalar(world: &World, key: &str, scalar: &Scalar, at: &Point) -> Result<f32> {
+pub(super) fn scalar(world: &World, key: &str, scalar: &Scalar, at: &Point) -> Result<f32> {
     Ok(match scalar {
         Scalar::Constant(value) => *value,
         Scalar::Mapped(m) => {
