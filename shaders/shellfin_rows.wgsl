@@ -39,13 +39,13 @@ struct LightingTable {
 #import shared/shellfin_types
 
 // What bends the hair of a vertex.
-struct Root {
+struct HairRoot {
     at: SkinPoint,
     lean: vec3f,   // tangential, tangent of the angle
     height: f32,   // cm above the skin at row height 1
 }
 
-fn root_of(v: u32) -> Root {
+fn root_of(v: u32) -> HairRoot {
     let vertex = shell_vertices[v];
     let at = SkinPoint(vertex.position, vertex.normal, vertex_uv[v], unpack4x8unorm(vertex.color).rgb);
     var lean = shellfin.comb;
@@ -63,11 +63,11 @@ fn root_of(v: u32) -> Root {
         // Where the undercoat was lowered, because it would fold over, so are the shells.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
-    return Root(at, lean, height);
+    return HairRoot(at, lean, height);
 }
 
 // Where the hair is at row height s, relative to its root, by the height of the fur.
-fn hair(root: Root, s: f32) -> vec3f {
+fn hair(root: HairRoot, s: f32) -> vec3f {
     let n = root.at.normal;
     var p = s * (n + root.lean);
     if shellfin.curved == 1u {

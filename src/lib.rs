@@ -68,6 +68,7 @@
 //! | [`mesh`], [`skin`], [`maps`], [`light`], [`camera`], [`world`] | what is loaded |
 //! | [`animation`], [`dynamics`] | what a frame shows; how far hair is bent in it |
 //! | [`groom`], [`layout`] | what the shaders are given |
+//! | [`lapped`], [`bake`], [`shellfin`], [`dynamics`] | patches, textures, shells and fins, forces on hair |
 //! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
 //! | [`film`], [`files`], [`hair`], [`compare`] | pictures, files, strands for other programs, metrics |
 //! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
