@@ -5,6 +5,7 @@
 //! [`crate::render::render_on`].
 
 pub mod paper;
+pub mod shells;
 pub mod sweep;
 
 use crate::provenance::{Provenance, only_files_missing, repository_path, say, write_json};

@@ -27,8 +27,8 @@ pub struct RenderOptions<'a> {
     pub aovs: bool,
     /// Called after each chunk of work.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// How forces bend shells and fins at this moment; not given: at rest.
-    pub moment: Option<crate::shellfin::Moment>,
+    /// Seconds since the animation's first frame: forces bend shells and fins as they do then. 0: at rest.
+    pub time: f64,
     /// When it becomes true, rendering stops after the current chunk and returns what there is.
     pub cancel: Option<&'a AtomicBool>,
 }

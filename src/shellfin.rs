@@ -23,7 +23,7 @@ use crate::passes::shellfin_raster::{Draws, ShellfinRaster, Uses};
 use crate::passes::shellfin_rows::ShellfinRows;
 use crate::prepare::Prepared;
 use crate::scene::{BakeSource, Color, FinFade, Mapping, Scalar, ShellLighting};
-use crate::{Error, Result, World, lapped};
+use crate::{Error, Result, World, dynamics, lapped};
 use bytemuck::Zeroable;
 use glam::Vec3;
 
@@ -56,16 +56,23 @@ pub struct Shellfins<'g> {
 /// What changes from frame to frame beside the camera.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Moment {
-    /// Displacement of the tips by forces, in heights of the fur, world space.
+    /// Displacement of the tips by forces, cm, world space. What is longer than the fur is high counts as long as that, and hair
+    /// that `shells.length` shortens is bent less in the same proportion.
     pub bend: Vec3,
 }
 
 impl Moment {
-    /// The rest position under the scene's steady forces: b = m a / k.
+    /// `time` s after the scene's first frame, for fur `height` cm high ([`Shellfins::height`]). At time 0 the hair rests under gravity
+    /// and the mean wind.
     // [Xbdev]
-    pub fn at_rest(world: &World) -> Self {
-        let d = &world.scene.shells.dynamics;
-        Self { bend: (Vec3::from(d.gravity) + Vec3::from(d.wind)) / d.stiffness }
+    pub fn at(world: &World, time: f64, height: f32) -> Self {
+        let scene = &world.scene;
+        Self { bend: dynamics::bend(&scene.shells.dynamics, &scene.animation.motion, height, time) }
+    }
+
+    /// The displacement in heights of the fur, at most 1 long.
+    pub fn by_height(&self, height: f32) -> Vec3 {
+        (self.bend / height.max(1e-6)).clamp_length_max(1.0)
     }
 }
 
@@ -204,6 +211,16 @@ impl<'g> Shellfins<'g> {
         &self.prepared
     }
 
+    /// Height of the fur where `shells.length` is 1, cm.
+    pub fn height(&self) -> f32 {
+        self.base.height
+    }
+
+    /// Edges that may carry fins; 0 without fins.
+    pub fn edges(&self) -> u32 {
+        self.edges
+    }
+
     /// A buffer that stays from frame to frame: `fur_corners`, `fin_edges`, `brushes`, `vertex_uv`.
     pub fn buffer(&self, name: &str) -> Option<&Buffer> {
         self.buffers.iter().find(|b| b.name == name)
@@ -220,7 +237,8 @@ impl<'g> Shellfins<'g> {
         let drawn = if shells.shells { shells.layers.unwrap_or(self.layers).min(self.layers) } else { 0 };
         let all = rows(shells, self.layers, drawn, distance, &self.means, &|height| self.jitter(height));
         let count = all.len() as u32;
-        let shellfin = Shellfin { bend: moment.bend.into(), shells: count - FIN_ROWS, ..self.base };
+        let bend = moment.by_height(self.base.height).into();
+        let shellfin = Shellfin { bend, shells: count - FIN_ROWS, ..self.base };
         let elements = u64::from(count) * u64::from(self.base.vertices);
         let buffers = [
             gpu.uniform("shellfin", &shellfin)?,

@@ -5,9 +5,13 @@ mod common;
 use common::{Folder, pelage};
 use glam::{DVec3, Vec3};
 use pelage::{
-    Scene, animation,
+    Scene, World, animation,
+    assets::Assets,
     dynamics::{self, Spring},
+    film,
+    render::{self, RenderOptions},
     scene::{Dynamics, Motion},
+    shellfin::Moment,
 };
 
 fn scene(text: &str) -> Scene {
@@ -186,4 +190,44 @@ fn frames_are_numbered_and_do_not_depend_on_each_other() {
     assert!(pixels("fur_0003.png") == third, "alone as after the second");
     render(&["--frames", "4.."]).expect(2, &["3 frames"]);
     render(&["--frames", "3..2"]).expect(2, &["--frames", "A..B"]);
+}
+
+/// Wind bends the hair of frames as it bends a picture of the same moment, and no picture of a calm day.
+#[test]
+fn wind_bends_the_hair_of_frames() {
+    let folder = Folder::new();
+    let text = "[mesh]\nshape = 'sphere'\n[film]\nwidth = 48\nheight = 32\nspp = 1\n[[lights]]\n[render]\nfur = 'shells'\n\
+        [bake]\nsource = 'particles'\nlayers = 6\nheight = 3\nresolution = [32, 32]\nfin_resolution = [64, 16]\n\
+        [animation]\nframes = 6\nfps = 5\n[shells.dynamics]\nwind = [3000, 0, 0]\n";
+    let path = folder.write("wind.toml", text);
+    let pixels = |arguments: &[&str], name: &str| {
+        let out = folder.at(if name.contains('_') { "fur.png" } else { name });
+        let mut all = vec!["render", &path, "-o", &out, "--quiet"];
+        all.extend(arguments);
+        pelage(&all).expect(0, &[]);
+        image::open(folder.at(name)).unwrap().to_rgba8()
+    };
+    let first = pixels(&["--frames", "1"], "fur_0001.png");
+    let third = pixels(&["--frames", "3..3"], "fur_0003.png");
+    let calm = pixels(&["--frames", "3..3", "-D", "shells.dynamics.wind=[0,0,0]"], "fur_0003.png");
+    assert!(first == pixels(&[], "still.png"), "a still is the first frame");
+    let differing = |a: &image::RgbaImage, b: &image::RgbaImage| {
+        a.pixels().zip(b.pixels()).filter(|(a, b)| (0..4).any(|k| a.0[k].abs_diff(b.0[k]) > 8)).count()
+    };
+    assert!(differing(&third, &calm) > 48 * 32 / 20, "{} pixels differ from calm", differing(&third, &calm));
+    assert!(differing(&third, &first) > 10, "{} pixels change by gusts", differing(&third, &first));
+    // Alone, through the library.
+    let scene = Scene::parse(text, "wind.toml", &[]).unwrap();
+    let state = animation::at(&scene, 3);
+    let world = World::load(scene, &Assets::default()).unwrap();
+    let frame = render::render(&world, &RenderOptions { time: state.time, ..Default::default() }).unwrap();
+    let alone = folder.at("alone.png");
+    let metadata = film::Metadata::of_program();
+    film::io::write(&frame.film, std::path::Path::new(&alone), &metadata, &world.scene.film).unwrap();
+    assert!(image::open(alone).unwrap().to_rgba8() == third, "as through the library");
+    // cm, by the fur's height, no longer than the hair.
+    let rest = Moment::at(&world, 0.0, 3.0);
+    assert!(rest.bend.distance(Vec3::X * 1.5) < 1e-5, "{}", rest.bend);
+    assert!(rest.by_height(3.0).distance(Vec3::X * 0.5) < 1e-5);
+    assert!(rest.by_height(0.5).distance(Vec3::X) < 1e-6);
 }

@@ -74,6 +74,38 @@ fn comparisons_of_one_scene() {
 }
 
 #[test]
+fn shells_and_fins_a_second() {
+    let folder = Folder::new();
+    let fur = "[bake]\nsource = \"particles\"\nlayers = 4\nheight = 0.5\nresolution = [16, 16]\nfin_resolution = [32, 8]\n";
+    let scene = folder.write("fur.toml", &format!("{SCENE}{fur}"));
+    let json = folder.at("fur.json");
+    let run = pelage(&[
+        "bench", "--shells", &scene, "--size", "48x32", "--runs", "2", "--layers", "3", "--json", &json,
+    ])
+    .expect(0, &[]);
+    for part in ["all layers, and half of them", "growth with layers", "12 fps", "23 fps"] {
+        assert!(run.out.contains(part), "no {part:?} in\n{}", run.out);
+    }
+    let report: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    assert_eq!((&report["runs"], &report["size"]), (&2.into(), &serde_json::json!([48, 32])));
+    let rows: Vec<&Value> = ["frames", "layers"].iter().flat_map(|k| report[k].as_array().unwrap()).collect();
+    assert_eq!(rows.iter().map(|r| r["shells"].as_u64().unwrap()).collect::<Vec<_>>(), [4, 2, 3]);
+    for row in rows {
+        let time = |key: &str| row[key]["median"].as_f64();
+        let (frame, fps) = (time("frame_ms").unwrap(), time("fps").unwrap());
+        assert!(frame > 0.0 && (fps * frame / 1e3 - 1.0).abs() < 1e-9, "{row}");
+        assert!(row["fps"]["best"].as_f64().unwrap() >= fps && row["edges"].as_u64().unwrap() > 0, "{row}");
+        // All fur is as high, however many layers it has.
+        assert!((row["height"].as_f64().unwrap() - 0.5).abs() < 1e-6, "{row}");
+        for part in ["rows_ms", "skin_ms", "fins_ms", "shells_ms"] {
+            assert!(time(part).is_none_or(|ms| ms > 0.0 && ms < frame), "{part}: {row}");
+        }
+    }
+    pelage(&["bench", &scene, "--layers", "3"]).expect(2, &["--shells"]);
+    pelage(&["bench", "--shells", &scene, "--layers", "0"]).expect(2, &["--layers"]);
+}
+
+#[test]
 fn a_scene_without_its_mesh_is_skipped() {
     let folder = Folder::new();
     let scene = folder.write("absent.toml", "[mesh]\npath = \"absent.obj\"\n");

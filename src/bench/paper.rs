@@ -1,4 +1,4 @@
-//! Table 1 of Andersen et al. 2016 as printed: Quadro K6000, 3840 x 2274, one frame.
+//! What papers printed: Table 1 of Andersen et al. 2016 (Quadro K6000, 3840 x 2274, one frame), the bunny of Lengyel et al. 2001.
 
 use serde::Serialize;
 
@@ -51,6 +51,25 @@ pub const TABLE_1: [Column; 3] = [
         total_gigabytes: 4.24,
     },
 ];
+
+/// Frames a second of shells and fins.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize)]
+pub struct Rates {
+    /// The model.
+    pub model: &'static str,
+    /// Its triangles.
+    pub triangles: u32,
+    /// Its layers.
+    pub layers: u32,
+    /// Frames a second with all layers.
+    pub fps_all: f64,
+    /// Frames a second with half of them.
+    pub fps_half: f64,
+}
+
+/// The bunny of Lengyel et al. 2001, Table 1: GeForce DDR, AMD K7 of 700 MHz; the size of the picture is not given.
+pub const LENGYEL_BUNNY: Rates =
+    Rates { model: "bunny", triangles: 5000, layers: 16, fps_all: 12.0, fps_half: 23.0 };
 
 /// The paper's column for a scene file with this name (without folder and extension).
 pub fn column(scene: &str) -> Option<&'static Column> {

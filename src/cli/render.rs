@@ -71,25 +71,28 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
         return Err(Error::Interrupted);
     }
     let Some(numbers) = numbers else {
-        return picture(args, global, &world, &assets, &args.outfile, args.stats.as_deref(), cancel);
+        return picture(args, global, &world, 0.0, &assets, &args.outfile, args.stats.as_deref(), cancel);
     };
     let scene = world.scene.clone();
     let last = *numbers.end();
     for number in numbers {
-        world.scene.camera = animation::at(&scene, number).camera;
+        let state = animation::at(&scene, number);
+        world.scene.camera = state.camera;
         let outfile: Vec<_> = args.outfile.iter().map(|path| named(path, Some(number))).collect();
         let stats = args.stats.as_ref().map(|path| named(path, Some(number)));
-        picture(args, global, &world, &assets, &outfile, stats.as_deref(), cancel)
+        picture(args, global, &world, state.time, &assets, &outfile, stats.as_deref(), cancel)
             .inspect_err(|_| eprintln!("frame {number} is not done: go on with --frames {number}..{last}"))?;
     }
     Ok(())
 }
 
-/// Renders one picture and writes it to every file of `outfile`.
+/// Renders the picture `time` s after the first frame and writes it to every file of `outfile`.
+#[allow(clippy::too_many_arguments)] // Each is a different thing that a picture needs.
 fn picture(
     args: &RenderArgs,
     global: &Global,
     world: &World,
+    time: f64,
     assets: &Assets,
     outfile: &[PathBuf],
     stats: Option<&Path>,
@@ -98,7 +101,7 @@ fn picture(
     let display = Display::new(global.progress, global.quiet);
     let show = |progress| display.update(progress);
     let options = RenderOptions {
-        moment: None,
+        time,
         crop: args.cropwindow,
         aovs: outfile.iter().any(|path| is_exr(path)) || world.scene.camera.lens.is_some(),
         progress: Some(&show),

@@ -82,7 +82,7 @@ pub fn render(
     let jobs = jobs(gpu, world, &plan, planes, options.crop)?;
     let largest = jobs.iter().fold([1, 1], |most, j| [0, 1].map(|k| j.size[k].max(most[k])));
     let pictures = Pictures::new(gpu, largest.map(|s| s * plan.grid + 2 * plan.reach))?;
-    let moment = options.moment.unwrap_or_else(|| Moment::at_rest(world));
+    let moment = Moment::at(world, options.time, fur.height());
     let lens = plan.passes.iter().any(|(_, lens)| *lens != Vec2::ZERO);
     let mut rows = fur.rows(&view, &moment, timings)?;
     let count = jobs.len();
