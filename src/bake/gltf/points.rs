@@ -89,6 +89,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     }
     let height = spacing * manifest.layers as f32;
     let curved = manifest.source == BakeSource::Hybrid;
+    let bend = Moment::at(world, 0.0, height).by_height(height);
     // Those along which `pelage render --fur shells` raises the shells.
     let upright = prepare::shell_normals(skin, groom::pack(world)?.fur.height);
     let kept = if curved { heights::kept(world, &upright)? } else { vec![1.0; upright.len()] };
@@ -122,7 +123,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
             clothed.skin_uv.as_mut().into_iter().for_each(|all| all.extend(uv));
             clothed.skin_colors.push(color(world, "base.color", &world.scene.base.color, &at)?);
             clothed.fur_colors.push(color(world, "shells.color", &shells.color, &at)?);
-            clothed.hairs.push(hair(world, curved, &at)?.map(|p| height * length * p));
+            clothed.hairs.push(hair(world, curved, &at, bend)?.map(|p| height * length * p));
             clothed.origin.push(*v);
         }
         clothed.triangles.push(face);
@@ -130,11 +131,11 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     Ok(clothed)
 }
 
-/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by the scene's steady forces.
+/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by `bend`, that of the scene's steady forces.
 /// Where the textures are baked from the groom (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as
 /// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
 // As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
-fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
+fn hair(world: &World, curved: bool, at: &Point, bend: Vec3) -> Result<[Vec3; 3]> {
     let (shells, guard) = (&world.scene.shells, &world.scene.guard);
     let n = at.upright;
     let strokes = shells.brushes.iter().map(|b| {
@@ -158,7 +159,9 @@ fn hair(world: &World, curved: bool, at: &Point) -> Result<[Vec3; 3]> {
     }
     // The curve whose control points are at even heights is at even heights itself.
     let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
-    let p3 = p3 + Moment::at_rest(world).bend;
+    // A bent hair keeps its length.
+    let bent = p3 + bend;
+    let p3 = bent * (p3.length() / bent.length().max(1e-4));
     Ok([p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)])
 }
 
