@@ -84,7 +84,10 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
         p = b + n * (s - dot(b, n));
     }
     // Forces bend the tips most. [Xbdev]
+    // DEVIATION: hairs keep their length; the tutorial's stretch.
+    let long = length(p);
     p += shellfin.bend * s * s * s;
+    p *= long / max(length(p), 1e-4);
     return p + n * max(0.0, 0.1 * s - dot(p, n));
 }
 

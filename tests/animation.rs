@@ -220,7 +220,9 @@ fn wind_bends_the_hair_of_frames() {
     let scene = Scene::parse(text, "wind.toml", &[]).unwrap();
     let state = animation::at(&scene, 3);
     let world = World::load(scene, &Assets::default()).unwrap();
-    let frame = render::render(&world, &RenderOptions { time: state.time, ..Default::default() }).unwrap();
+    let mut frame =
+        render::render(&world, &RenderOptions { time: state.time, ..Default::default() }).unwrap();
+    film::composite::over_background(&mut frame.film, &world.scene, &Assets::default()).unwrap();
     let alone = folder.at("alone.png");
     let metadata = film::Metadata::of_program();
     film::io::write(&frame.film, std::path::Path::new(&alone), &metadata, &world.scene.film).unwrap();

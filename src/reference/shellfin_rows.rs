@@ -97,7 +97,9 @@ impl Hair<'_> {
             let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s.powi(3) * p3) / p3.dot(n).max(0.25);
             p = b.reject_from_normalized(n) + s * n;
         }
+        let long = p.length();
         p += Vec3::from(self.shellfin.bend) * s.powi(3);
+        p *= long / p.length().max(1e-4);
         p + n * (0.1 * s - p.dot(n)).max(0.0)
     }
 
