@@ -77,7 +77,7 @@ fn comparisons_of_one_scene() {
 fn shells_and_fins_a_second() {
     let folder = Folder::new();
     let fur = "[bake]\nsource = \"particles\"\nlayers = 4\nheight = 0.5\nresolution = [16, 16]\nfin_resolution = [32, 8]\n";
-    let scene = folder.write("fur.toml", &format!("{SCENE}{fur}"));
+    let scene = folder.write("fur.toml", format!("{SCENE}{fur}"));
     let json = folder.at("fur.json");
     let run = pelage(&[
         "bench", "--shells", &scene, "--size", "48x32", "--runs", "2", "--layers", "3", "--json", &json,
