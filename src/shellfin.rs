@@ -9,10 +9,12 @@ mod rows;
 mod table;
 mod textures;
 
+pub(crate) use geometry::uv_in_cm;
 pub use geometry::{corners, edges};
 pub use picture::{Pictures, render};
 pub use rows::{FIN_ROWS, levels, rows};
 pub use table::{hair_lighting, lighting_table};
+pub(crate) use textures::FIN_TEXELS;
 pub use textures::{Means, deepened};
 
 use crate::bake::FurTextures;
@@ -31,7 +33,7 @@ use glam::Vec3;
 const STRAY: f32 = 0.3;
 
 /// Depth of fur that a fin stands for, by the mean length of an edge: with it fins on a ball cover what its hybrid fur covers.
-const FIN_SPACING: f32 = 0.4;
+pub(crate) const FIN_SPACING: f32 = 0.4;
 
 /// A fur as shells and fins on the GPU.
 pub struct Shellfins<'g> {
@@ -87,6 +89,17 @@ pub struct Rows {
     buffers: [Buffer; 4],
 }
 
+/// Variance of the direction of hairs that are not guard hairs, an axis, `height` cm above the skin.
+pub(crate) fn stray_variance(world: &World, source: BakeSource, height: f32) -> f32 {
+    if source != BakeSource::Hybrid {
+        return STRAY * STRAY;
+    }
+    // As the undercoat's tangents are turned at random (shaders/shared/volume.wgsl).
+    let coat = &world.scene.undercoat;
+    let t = (height / coat.height.max().max(1e-6)).min(1.0);
+    (coat.tangent_jitter * t.powf(coat.jitter_exponent)).powi(2) / 3.0
+}
+
 /// The textures that the scene names, or those that it says to bake.
 ///
 /// # Errors
@@ -117,7 +130,7 @@ impl<'g> Shellfins<'g> {
         let prepared = Prepared::new(gpu, world, frame, timings)?;
         let corner_uv = match shells.mapping {
             Mapping::Lapped => lapped::lap(skin, scene)?.corner_uv,
-            Mapping::Uv => geometry::uv_in_cm(skin).ok_or_else(|| {
+            Mapping::Uv => uv_in_cm(skin).ok_or_else(|| {
                 Error::Usage(
                     "shells.mapping = \"uv\": the mesh has no uv; use \"lapped\" or add uv to the mesh"
                         .into(),
@@ -235,7 +248,9 @@ impl<'g> Shellfins<'g> {
         let shells = &self.world.scene.shells;
         let distance = (Vec3::from(frame.eye) - self.bounds.0).length() / self.bounds.1.max(1e-6);
         let drawn = if shells.shells { shells.layers.unwrap_or(self.layers).min(self.layers) } else { 0 };
-        let all = rows(shells, self.layers, drawn, distance, &self.means, &|height| self.jitter(height));
+        let source = if self.base.curved == 1 { BakeSource::Hybrid } else { BakeSource::Particles };
+        let jitter = |height: f32| stray_variance(self.world, source, height * self.base.height);
+        let all = rows(shells, self.layers, drawn, distance, &self.means, &jitter);
         let count = all.len() as u32;
         let bend = moment.by_height(self.base.height).into();
         let shellfin = Shellfin { bend, shells: count - FIN_ROWS, ..self.base };
@@ -259,17 +274,6 @@ impl<'g> Shellfins<'g> {
             depth_write: shells.depth_write,
         };
         Ok(Rows { shellfin, rows: all, draws, buffers })
-    }
-
-    /// Variance of the direction of the hairs that are not guard hairs, an axis, at a row's height.
-    fn jitter(&self, height: f32) -> f32 {
-        if self.base.curved == 0 {
-            return STRAY * STRAY;
-        }
-        // As the undercoat's tangents are turned at random (shaders/shared/volume.wgsl).
-        let coat = &self.world.scene.undercoat;
-        let t = (height * self.base.height / coat.height.max().max(1e-6)).min(1.0);
-        (coat.tangent_jitter * t.powf(coat.jitter_exponent)).powi(2) / 3.0
     }
 
     /// Draws a frame with the rows of its view.

@@ -271,7 +271,7 @@ fn the_renderer_draws_what_is_written() {
         let clothed = gltf::clothe(&a, &lapped(&a), &textures.manifest).unwrap();
         let extras = Document::with(&a, &textures).extras().clone();
         let extras: gltf::Extras = serde_json::from_value(extras).unwrap();
-        let bend = pelage::shellfin::Moment::at_rest(&a).bend;
+        let bend = pelage::shellfin::Moment::at(&a, 0.0, 2.5).bend;
         let fur = Fur::new(gpu, b, textures, bend);
         let vertices = a.skin.positions.len();
         let count = (fur.rows.rows.len() * vertices) as u64;
@@ -281,7 +281,8 @@ fn the_renderer_draws_what_is_written() {
             for i in 0..clothed.positions.len() {
                 let [x, y, z, _] = places[r * vertices + clothed.origin[i] as usize];
                 let place = clothed.positions[i] + hair(&clothed, i, row.height);
-                assert!(place.distance(Vec3::new(x, y, z)) < 2e-3, "{source:?} row {r} vertex {i}: {place}");
+                // The renderer keeps the length at every height, the curve at its tip: a difference of second order in the bend.
+                assert!(place.distance(Vec3::new(x, y, z)) < 1e-2, "{source:?} row {r} vertex {i}: {place}");
                 lowered += usize::from(clothed.hairs[i][2].dot(clothed.upright[i]) < 2.0);
             }
         }

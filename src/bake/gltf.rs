@@ -21,6 +21,7 @@ mod points;
 pub use points::{Clothed, FinEdge, clothe, fin_edges};
 
 use super::{FurTextures, Manifest, Texture};
+use crate::shellfin::{FIN_SPACING, FIN_TEXELS, stray_variance};
 use crate::{
     Error, Result, World, files, groom,
     scene::{Background, BakeSource, Camera, FinFade, LightingTable, Tonemap},
@@ -191,11 +192,6 @@ fn settings(world: &World, manifest: &Manifest) -> (ShellSettings, View) {
     (settings, view)
 }
 
-/// As the constants of these names in src/shellfin.rs and src/shellfin/textures.rs.
-const STRAY: f32 = 0.3;
-const FIN_SPACING: f32 = 0.4;
-const FIN_TEXELS: u32 = 8;
-
 fn fin_depth(world: &World, clothed: &Clothed, edges: &[FinEdge], manifest: &Manifest) -> f32 {
     if !world.scene.shells.slanted {
         return 1.0;
@@ -216,15 +212,11 @@ fn strays(world: &World, textures: &FurTextures) -> Result<Vec<Stray>> {
     let of_layer = |(l, layer): (usize, &Texture)| {
         let guard = textures.guard.get(l).map_or(0.0, |guard| covered(guard) / covered(layer).max(1e-12));
         let guard = guard.clamp(0.0, 1.0) as f32;
-        if manifest.source != BakeSource::Hybrid {
-            return Stray { guard, lean: None, variance: STRAY * STRAY };
-        }
-        // By the undercoat's height, above which nothing changes.
         let height = (l as f32 + 0.5) * world.scene.shells.spacing.unwrap_or(manifest.spacing);
-        let height = (height / coat.height.max().max(1e-6)).min(1.0);
-        let jitter = coat.tangent_jitter * height.powf(coat.jitter_exponent);
-        let lean = Vec3::from(fur.lean) * height;
-        Stray { guard, lean: Some(lean.into()), variance: jitter * jitter / 3.0 }
+        let variance = stray_variance(world, manifest.source, height);
+        // By the undercoat's height, above which nothing changes.
+        let lean = Vec3::from(fur.lean) * (height / coat.height.max().max(1e-6)).min(1.0);
+        Stray { guard, lean: (manifest.source == BakeSource::Hybrid).then(|| lean.into()), variance }
     };
     Ok(textures.layers.iter().enumerate().map(of_layer).collect())
 }

@@ -18,7 +18,8 @@ pub fn levels(layers: u32) -> Vec<u32> {
 }
 
 /// The rows for an eye at `distance` diameters of the skin: the innermost `drawn` of `layers` layers at their level of detail,
-/// then the rows of the fins. `jitter` gives the variance of the hairs' direction at a height; `means` holds the mean colours of all levels' layers, one level after the other.
+/// then the rows of the fins. `jitter` gives the variance of the hairs' direction at a row's height; `means` holds the means of all levels'
+/// layers, one level after the other.
 ///
 /// Between two levels every shell moves and changes from its fine layer to the coarse one that holds it; shells that the coarse
 /// level lacks fade out. So nothing jumps at any distance.

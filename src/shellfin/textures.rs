@@ -34,7 +34,7 @@ pub struct Means {
 
 /// Rows of texels that a fin keeps in its coarsest mip: the light on it changes much from skin to tip, so that what lies at different
 /// heights must not be mixed.
-const FIN_TEXELS: u32 = 8;
+pub(crate) const FIN_TEXELS: u32 = 8;
 
 /// The fin and the guard hairs' part of it, of a slab of fur `times` as deep. It is done before mips are made: what the mean lets through to
 /// that power would be less.

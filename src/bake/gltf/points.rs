@@ -2,7 +2,7 @@
 
 use super::{Manifest, heights};
 use crate::{
-    Error, Result, Skin, World, groom,
+    Error, Result, World, groom,
     lapped::Lapped,
     maps::VERTEX_COLOR,
     mesh::topology,
@@ -59,7 +59,7 @@ pub struct FinEdge {
 pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clothed> {
     let skin = &world.skin;
     let by_uv = world.scene.shells.mapping == Mapping::Uv;
-    let own = if by_uv { uv_in_cm(skin) } else { None };
+    let own = if by_uv { crate::shellfin::uv_in_cm(skin) } else { None };
     let corners = if by_uv { own.as_ref() } else { Some(&lapped.corner_uv) };
     let corners = corners.ok_or_else(|| {
         Error::Check(
@@ -163,14 +163,6 @@ fn hair(world: &World, curved: bool, at: &Point, bend: Vec3) -> Result<[Vec3; 3]
     let bent = p3 + bend;
     let p3 = bent * (p3.length() / bent.length().max(1e-4));
     Ok([p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)])
-}
-
-/// The skin's own uv, scaled so that one unit is a centimetre on the average of the area; `None` without uv.
-fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
-    let uv = skin.corner_uv.as_ref()?;
-    let flat: f64 = uv.iter().map(|[a, b, c]| 0.5 * f64::from((*b - *a).perp_dot(*c - *a).abs())).sum();
-    let scale = (skin.area() / flat.max(1e-12)).sqrt() as f32;
-    Some(uv.iter().map(|corners| corners.map(|p| p * scale)).collect())
 }
 
 /// All edges, once each (an edge of more than two faces once a face), in the order of faces. The place in the texture is random for
