@@ -143,7 +143,7 @@ fn guard_texel(row: ShellRow, uv: vec2f) -> vec4f {
     return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
 }
 
-// Shadow between hairs: darker where the texture covers more a little way towards the light.
+// Shadow between hairs: what the texture covers more a little way towards the light lies as black under the layer.
 // [Xbdev]; DEVIATION: towards the light instead of along the normal seen by the eye, and by coverage instead of grey
 fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
     // Texture coordinates grow along gradients of the position, found by the screen's derivatives.
@@ -155,7 +155,7 @@ fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
     let shift = dpdx(in.uv) * steps.x + dpdy(in.uv) * steps.y;
     let ahead = in.uv + shift / max(length(shift), 1e-6) * shellfin.shadow_offset;
     let more = textureSampleLevel(layers, repeating, ahead, layer, 0.0).a - textureSampleLevel(layers, repeating, in.uv, layer, 0.0).a;
-    return 1.0 - shellfin.shadow_strength * clamp(more, 0.0, 1.0);
+    return shellfin.shadow_strength * clamp(more, 0.0, 1.0);
 }
 
 // Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
@@ -180,9 +180,6 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
         tint = color(SHELL_COLOR, at);
         bald = scalar(SHELL_LENGTH, at) <= 0.0;
     }
-    if SHADOW {
-        tint *= shadow(in, n, row.fine);
-    }
     let lit = Lit(in.undercoat, in.guard);
     var out = lit_color(whole, guard, lit);
     if shellfin.slanted == 1u {
@@ -196,6 +193,9 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
         out = slanted_color(row, out, slant, lit) * edge;
     }
     out = vec4f(out.rgb * tint, out.a);
+    if SHADOW {
+        out.a += (1.0 - out.a) * shadow(in, n, row.fine);
+    }
     if out.a < LEAST_COVERAGE || bald {
         discard;
     }

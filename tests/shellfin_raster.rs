@@ -125,6 +125,38 @@ fn patterns_are_those_of_the_twin_where_they_are_magnified() {
 }
 
 #[test]
+fn hairs_shade_the_gaps_away_from_the_light() {
+    // Stripes: half of the texture is hair.
+    let stripes = || {
+        textures(
+            BakeSource::Dots,
+            4,
+            16,
+            false,
+            |_, u, _, _| if u < 0.5 { [0.3, 0.3, 0.3, 1.0] } else { [0.0; 4] },
+        )
+    };
+    let light_and_cover = |text: &str| {
+        let samples = both(text, stripes(), |_| ())?;
+        let sum = samples.iter().map(|(color, ..)| *color).sum::<Vec4>();
+        Some((sum.truncate().element_sum(), sum.w))
+    };
+    let plain = "lighting = 'table'\nfins = false\nslanted = false\n";
+    let with = |strength: f32| {
+        light_and_cover(&format!("{plain}shadow = {{ strength = {strength}, offset = 0.2 }}"))
+    };
+    let Some([none, half, full]) =
+        [0.0, 0.5, 1.0].map(with).into_iter().collect::<Option<Vec<_>>>().map(|v| [v[0], v[1], v[2]])
+    else {
+        return;
+    };
+    println!("{none:?} {half:?} {full:?}");
+    // The skin in the gaps gets darker, and nothing gets thinner.
+    assert!(half.0 < 0.99 * none.0 && full.0 < half.0 && full.0 < 0.98 * none.0);
+    assert!(half.1 >= none.1 && full.1 >= half.1);
+}
+
+#[test]
 fn another_order_is_noticed() {
     let maps = even(BakeSource::Hybrid, 6, true);
     let Some(samples) = both("", maps, |picture| picture.draws.shells -= 1) else { return };
