@@ -93,7 +93,7 @@ pub fn check(textures: &FurTextures) -> Result<()> {
     Ok(())
 }
 
-/// Checks before a long computation that [`write`] can write to `dir`, and makes the folder if it is not there.
+/// Checks before a long computation that [`write()`] can write to `dir`, and makes the folder if it is not there.
 ///
 /// # Errors
 /// [`Error::Io`].
