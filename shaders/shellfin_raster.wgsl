@@ -125,21 +125,12 @@ fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
 }
 
 // The fine layer, or what lies between it and the coarser one; a row that the coarser level lacks fades out. [Lengyel2001] sec. 4.5
-fn shell_texel(row: ShellRow, uv: vec2f) -> vec4f {
-    let fine = textureSample(layers, repeating, uv, row.fine);
+fn layer_texel(texture: texture_2d_array<f32>, row: ShellRow, uv: vec2f) -> vec4f {
+    let fine = textureSample(texture, repeating, uv, row.fine);
     if !DETAIL {
         return fine;
     }
-    let coarse = textureSample(layers, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
-    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
-}
-
-fn guard_texel(row: ShellRow, uv: vec2f) -> vec4f {
-    let fine = textureSample(guard_layers, repeating, uv, row.fine);
-    if !DETAIL {
-        return fine;
-    }
-    let coarse = textureSample(guard_layers, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
+    let coarse = textureSample(texture, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
     return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
 }
 
@@ -167,10 +158,10 @@ fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
 @fragment
 fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     let row = shell_rows[in.row];
-    let whole = shell_texel(row, in.uv);
+    let whole = layer_texel(layers, row, in.uv);
     var guard = vec4f(0.0);
     if GUARD {
-        guard = guard_texel(row, in.uv);
+        guard = layer_texel(guard_layers, row, in.uv);
     }
     let n = normalize(in.normal);
     var tint = vec3f(1.0);
@@ -182,6 +173,7 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     }
     let lit = Lit(in.undercoat, in.guard);
     var out = lit_color(whole, guard, lit);
+    var edge = 1.0;
     if shellfin.slanted == 1u {
         let view = normalize(frame.eye - in.position);
         let facing = abs(dot(n, view));
@@ -189,12 +181,12 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
         let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
         let slant = mix(undercoat, guard_hair, row.share) / max(facing, 0.08);
         // Towards the silhouette a shell is seen from its edge, as a line: there the fins take over.
-        let edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
+        edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
         out = slanted_color(row, out, slant, lit) * edge;
     }
     out = vec4f(out.rgb * tint, out.a);
     if SHADOW {
-        out.a += (1.0 - out.a) * shadow(in, n, row.fine);
+        out.a += (1.0 - out.a) * edge * shadow(in, n, row.fine);
     }
     if out.a < LEAST_COVERAGE || bald {
         discard;

@@ -116,7 +116,7 @@ impl<'g> Shellfins<'g> {
     /// the skin is that of its eye.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`], [`Error::Gpu`].
+    /// [`Error::Scene`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`], [`Error::Gpu`].
     pub fn new(
         gpu: &'g Gpu,
         world: &'g World,
@@ -131,9 +131,9 @@ impl<'g> Shellfins<'g> {
         let corner_uv = match shells.mapping {
             Mapping::Lapped => lapped::lap(skin, scene)?.corner_uv,
             Mapping::Uv => uv_in_cm(skin).ok_or_else(|| {
-                Error::Usage(
-                    "shells.mapping = \"uv\": the mesh has no uv; use \"lapped\" or add uv to the mesh"
-                        .into(),
+                Error::fault(
+                    "shells.mapping",
+                    "found \"uv\", but the mesh has no uv: use \"lapped\", or add uv to the mesh",
                 )
             })?,
         };
