@@ -2,9 +2,7 @@
 
 use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{
-    Blend, Channel, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting,
-};
+use crate::scene::{Blend, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
@@ -268,13 +266,7 @@ impl MapPacker<'_> {
         match scalar {
             Scalar::Constant(v) => parameter([*v; 4], (0, 0, [1, 1]), 0.0, 0),
             Scalar::Mapped(m) => {
-                let channel = match m.channel {
-                    Channel::R => 0,
-                    Channel::G => 1,
-                    Channel::B => 2,
-                    Channel::A => 3,
-                };
-                parameter([m.value; 4], self.source(&m.map, false), m.offset, channel)
+                parameter([m.value; 4], self.source(&m.map, false), m.offset, m.channel.index() as u32)
             }
         }
     }

@@ -68,6 +68,11 @@ struct Work {
 }
 
 impl RenderOptions<'_> {
+    /// Planes that the film pass writes.
+    pub(crate) fn planes(&self) -> u32 {
+        if self.aovs { 20 } else { 4 }
+    }
+
     pub(crate) fn report(&self, done: f32, stage: &'static str) {
         if let Some(progress) = self.progress {
             progress(Progress { done, stage });

@@ -3,7 +3,7 @@
 #[path = "common/worlds.rs"]
 mod worlds;
 
-use pelage::scene::{Blend, Filter, Scene};
+use pelage::scene::{Blend, Filter, Fur, Scene};
 use worlds::{ball, differing, render};
 
 fn scene(blend: Blend) -> impl Fn(&mut Scene) {
@@ -41,6 +41,29 @@ fn tile_size_does_not_show() {
             println!("{blend:?} tile {tile}: {} tiles, {found:?}", tiled.stats.tiles);
             assert!(found.is_empty(), "{blend:?}, tile {tile}: plane, pixels, most, first: {found:?}");
         }
+    }
+}
+
+#[test]
+fn shells_are_the_same_in_two_runs_and_nearly_so_in_other_tiles() {
+    let shells = |tile: Option<u32>| {
+        let world = with(Blend::Exact, |s| {
+            s.render.fur = Fur::Shells;
+            s.render.tile = tile;
+            s.bake.resolution = [32; 2];
+        });
+        render(&world)
+    };
+    let whole = shells(None);
+    let again = differing(&whole.film, &shells(None).film);
+    assert!(again.is_empty(), "plane, pixels, most, first: {again:?}");
+    let tiled = shells(Some(40));
+    assert!(tiled.stats.tiles > 1);
+    for name in ["R", "G", "B", "A"] {
+        let [a, b] = [&whole, &tiled].map(|f| f.film.plane(name).expect("a plane"));
+        let most = a.iter().zip(b).map(|(a, b)| (a - b).abs()).fold(0.0, f32::max);
+        println!("{name}: {most}");
+        assert!(most < 2e-3, "{name}: {most}");
     }
 }
 

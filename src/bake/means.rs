@@ -3,7 +3,7 @@
 use crate::World;
 use crate::maps::VERTEX_COLOR;
 use crate::reference::hash::{hash2, random};
-use crate::scene::{Channel, Color, Scalar};
+use crate::scene::{Color, Scalar};
 use glam::{Vec2, Vec3, Vec4};
 
 /// Places on the skin where maps are read.
@@ -71,13 +71,7 @@ impl<'a> SkinSamples<'a> {
             Scalar::Constant(v) => *v,
             Scalar::Mapped(m) => {
                 let texel = self.mean(&m.map, false);
-                let channel = match m.channel {
-                    Channel::R => texel.x,
-                    Channel::G => texel.y,
-                    Channel::B => texel.z,
-                    Channel::A => texel.w,
-                };
-                m.value * channel + m.offset
+                m.value * texel[m.channel.index()] + m.offset
             }
         };
         value.max(0.0)

@@ -2,6 +2,7 @@
 
 use crate::layout::Reconstruction;
 use crate::scene::{LensMethod, Scene};
+use bytemuck::Zeroable;
 use glam::Vec2;
 
 /// How the film is sampled.
@@ -49,8 +50,31 @@ impl SamplePlan {
         }
     }
 
-    /// The filter's weights for a pass, as the film pass reads them.
-    pub fn reconstruction(&self, scene: &Scene, jitter: f32) -> ([[f32; 4]; 32], u32) {
+    /// What the film pass reads for a tile of `pixels` pixels in pass `pass`.
+    pub fn reconstruction(
+        &self,
+        scene: &Scene,
+        pass: usize,
+        pixels: [u32; 2],
+        planes: u32,
+    ) -> Reconstruction {
+        let (weights, taps) = self.weights(scene, self.passes[pass].0.x);
+        Reconstruction {
+            origin: [self.reach as i32; 2],
+            pixels,
+            grid: self.grid,
+            reach: self.reach as i32,
+            taps,
+            planes,
+            accumulate: u32::from(pass > 0),
+            scale: 1.0 / self.passes.len() as f32,
+            weights,
+            ..Reconstruction::zeroed()
+        }
+    }
+
+    /// The filter's weights for a displacement of the grid, four a vector, and their number.
+    fn weights(&self, scene: &Scene, jitter: f32) -> ([[f32; 4]; 32], u32) {
         let taps = self.grid + 2 * self.reach;
         let radius = radius(scene);
         let mut weights: Vec<f32> = (0..taps)
@@ -66,7 +90,7 @@ impl SamplePlan {
             let middle = weights.len() / 2;
             weights[middle] = 1.0;
         }
-        let mut packed = <Reconstruction as bytemuck::Zeroable>::zeroed().weights;
+        let mut packed = Reconstruction::zeroed().weights;
         for (i, w) in weights.iter().enumerate() {
             packed[i / 4][i % 4] = *w;
         }

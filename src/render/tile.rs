@@ -6,11 +6,10 @@ use crate::gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use crate::gpu::recorder::{RASTER_MARGIN, RasterTargets, Timings};
 use crate::gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use crate::groom;
-use crate::layout::{Frame, Reconstruction};
+use crate::layout::Frame;
 use crate::prepare::{Prepared, Strands};
 use crate::stats::Stats;
 use crate::{Error, Result, World, camera};
-use bytemuck::Zeroable;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Bytes a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
@@ -100,7 +99,7 @@ impl<'a> Tiles<'a> {
     ) -> Result<Self> {
         let gpu = prepared.gpu;
         let scene = &world.scene;
-        let planes = if options.aovs { 20 } else { 4 };
+        let planes = options.planes();
         let budget = scene.render.memory;
         let used = gpu.ledger.current();
         // A pixel is held twice while it is read back.
@@ -334,23 +333,8 @@ impl<'a> Tiles<'a> {
             let mut frame = self.frame(pass, origin, size);
             frame.node_capacity = capacity.min(u64::from(u32::MAX >> 2)) as u32;
             let frame = gpu.uniform("frame", &frame)?;
-            let jitter = self.plan.passes[pass].0;
-            let (weights, taps) = self.plan.reconstruction(scene, jitter.x);
-            let reconstruction = gpu.uniform(
-                "reconstruction",
-                &Reconstruction {
-                    origin: [reach as i32; 2],
-                    pixels: job.size,
-                    grid,
-                    reach: reach as i32,
-                    taps,
-                    planes: self.planes,
-                    accumulate: u32::from(pass > 0),
-                    scale: 1.0 / self.plan.passes.len() as f32,
-                    weights,
-                    ..Reconstruction::zeroed()
-                },
-            )?;
+            let reconstruction =
+                gpu.uniform("reconstruction", &self.plan.reconstruction(scene, pass, job.size, self.planes))?;
             let scope = self
                 .prepared
                 .scope()

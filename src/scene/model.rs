@@ -118,6 +118,18 @@ fn white() -> [f32; 3] {
     [1.0; 3]
 }
 
+impl Channel {
+    /// Place of the channel in a texel.
+    pub fn index(self) -> usize {
+        match self {
+            Self::R => 0,
+            Self::G => 1,
+            Self::B => 2,
+            Self::A => 3,
+        }
+    }
+}
+
 impl From<f32> for Scalar {
     fn from(v: f32) -> Self {
         Self::Constant(v)

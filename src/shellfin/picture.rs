@@ -5,10 +5,9 @@ use crate::film::Film;
 use crate::gpu::kernel::{COLOR_FORMAT, DEPTH_FORMAT};
 use crate::gpu::recorder::{RASTER_MARGIN, RasterTargets, Timings};
 use crate::gpu::{Buffer, Gpu, Recorder, Resource};
-use crate::layout::{Frame, Reconstruction};
+use crate::layout::Frame;
 use crate::render::{Job, RenderOptions, SamplePlan, write_tile};
 use crate::{Error, Result, World, camera};
-use bytemuck::Zeroable;
 use glam::Vec2;
 
 /// Bytes of a sample: colour, depth, film sample.
@@ -78,7 +77,7 @@ pub fn render(
     options.report(0.1, "shellfin_rows");
     let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
     let fur = Shellfins::new(gpu, world, &textures, &view, timings)?;
-    let planes = film.planes.len() as u32 + u32::from(film.planes.len() > 4);
+    let planes = options.planes();
     let jobs = jobs(gpu, world, &plan, planes, options.crop)?;
     let largest = jobs.iter().fold([1, 1], |most, j| [0, 1].map(|k| j.size[k].max(most[k])));
     let pictures = Pictures::new(gpu, largest.map(|s| s * plan.grid + 2 * plan.reach))?;
@@ -168,21 +167,9 @@ impl Tile<'_> {
         let gpu = self.gpu;
         let size = frame.tile_size;
         let samples = u64::from(size[0]) * u64::from(size[1]);
-        let (weights, taps) = self.plan.reconstruction(&self.world.scene, frame.jitter[0]);
         let reconstruction = gpu.uniform(
             "reconstruction",
-            &Reconstruction {
-                origin: [self.plan.reach as i32; 2],
-                pixels: self.job.size,
-                grid: self.plan.grid,
-                reach: self.plan.reach as i32,
-                taps,
-                planes: self.planes,
-                accumulate: u32::from(pass > 0),
-                scale: 1.0 / self.plan.passes.len() as f32,
-                weights,
-                ..Reconstruction::zeroed()
-            },
+            &self.plan.reconstruction(&self.world.scene, pass, self.job.size, self.planes),
         )?;
         let frame = gpu.uniform("frame", frame)?;
         let buffer = gpu.storage("samples", 7, samples * 32)?;

@@ -8,7 +8,7 @@ use crate::{
     mesh::topology,
     prepare,
     reference::hash::{hash2, random},
-    scene::{BakeSource, Channel, Color, Mapping, Scalar},
+    scene::{BakeSource, Color, Mapping, Scalar},
     shellfin::Moment,
     skin::NONE,
 };
@@ -208,15 +208,7 @@ pub(super) struct Point {
 pub(super) fn scalar(world: &World, key: &str, scalar: &Scalar, at: &Point) -> Result<f32> {
     Ok(match scalar {
         Scalar::Constant(value) => *value,
-        Scalar::Mapped(m) => {
-            let channel = match m.channel {
-                Channel::R => 0,
-                Channel::G => 1,
-                Channel::B => 2,
-                Channel::A => 3,
-            };
-            m.value * lookup(world, key, &m.map, false, at)?[channel] + m.offset
-        }
+        Scalar::Mapped(m) => m.value * lookup(world, key, &m.map, false, at)?[m.channel.index()] + m.offset,
     })
 }
 
