@@ -1,0 +1,5 @@
+//! The ground truth: the same fur with every hair a strand, path traced on the CPU.
+//!
+//! A world becomes [`strands::Strands`], guard hairs and undercoat alike; nothing of the shell or the light lattice is used.
+
+pub mod strands;
