@@ -108,6 +108,7 @@ pub mod scene;
 pub mod shellfin;
 pub mod skin;
 pub mod stats;
+pub mod transport;
 pub mod world;
 
 pub use error::{Error, Result, SceneFault};

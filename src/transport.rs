@@ -1,0 +1,151 @@
+//! Multiple scattering in fur: what reaches a hair after one or more other hairs.
+//!
+//! A coat is taken as plane-parallel: even, without end, on a skin. Its radiative transfer with the fibres' own scattering and
+//! the directions in which they stand is solved once for a rendering, for a directional light from each inclination and hairs
+//! of each brightness ([`slab`]). What remains is a [`Table`]: radiance that arrives around a hair at an optical depth towards
+//! the light. Where it is looked up, the optical depth is that of the light lattice, which knows the true shape of the skin,
+//! clumps and guard hairs; a coat that is not flat is so taken as flat around each point. In a bright coat hardly any light
+//! that is seen was scattered once.
+//!
+//! DEVIATION: Zinke et al. 2008 (dual scattering) close the series over hairs by the shares that one hair scatters forward and
+//! backward in azimuth. Upright hairs send light that comes from above on downwards whichever way it turns in azimuth, and
+//! only roughness, tilt and disorder bring it out again: the inclination must be followed, and is followed here.
+
+pub mod slab;
+
+use crate::fibre::{Fibre, Hit};
+use crate::reference::hash::{hash2, random, random_direction};
+use glam::Vec3;
+use rayon::prelude::*;
+use slab::{BINS, HALF, Medium};
+
+/// Brightnesses of hair in a table.
+pub const TINTS: usize = 10;
+/// Optical depths towards the light.
+pub const DEPTHS: usize = 20;
+/// Inclinations of a light or a view to the skin's normal.
+pub const COSINES: usize = 16;
+/// Largest optical depth in a table, and that of a light that is blocked.
+pub const DEEPEST: f32 = 18.0;
+/// Samples for each entry of [`Table::guard`].
+const SAMPLES: u32 = 2048;
+
+/// Scattered light in a coat, by the brightness of its hairs, the light's inclination and the optical depth towards it.
+///
+/// Radiance is a mean over four zones, by the cosine to the skin's normal of the direction that it comes from: high, low, from
+/// slightly and from far below.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Table {
+    /// Share of the sphere of each zone.
+    pub share: [f32; 4],
+    /// Integral of the cosine over each zone by 2 pi.
+    pub flux: [f32; 4],
+    /// Radiance in the zones for an irradiance of 1: `[tint][depth][cosine of the light]`.
+    pub field: Vec<[f32; 4]>,
+    /// Radiance that undercoat sends to a view, by its extinction, for a radiance of 1 in each zone: `[tint][cosine of the view]`.
+    pub response: Vec<[f32; 4]>,
+    /// What a guard hair sends to a view for a radiance of 1 all round, and for one that grows as the cosine to an axis: along
+    /// the hair, and along the view's part across the hair: `[tint][sine of the view's inclination]`, the fourth is 0.
+    pub guard: Vec<[f32; 4]>,
+}
+
+/// Brightness of index `i` in a table; what comes out of a coat is about even in the root of what a hair takes.
+pub fn tint(i: usize) -> f32 {
+    let x = 1.0 - i as f32 / (TINTS - 1) as f32;
+    1.0 - x * x
+}
+
+/// Optical depth of index `i` in a table.
+pub fn depth(i: usize) -> f32 {
+    let x = i as f32 / (DEPTHS - 1) as f32;
+    DEEPEST * x * x
+}
+
+/// Cosine of index `i` in a table: of the light for 0..=1, of the view for -1..=1.
+fn cosine(i: usize, lowest: f32) -> f32 {
+    lowest + (1.0 - lowest) * i as f32 / (COSINES - 1) as f32
+}
+
+impl Table {
+    /// Solves the transport in `medium` and tabulates it, with the response of guard hairs of model `guard`.
+    pub fn new(medium: &Medium, guard: &Fibre) -> Self {
+        let zone = |bin: usize| match bin {
+            _ if bin < HALF / 2 => 3,
+            _ if bin < HALF => 2,
+            _ if bin < HALF + HALF / 2 => 1,
+            _ => 0,
+        };
+        let (edges, widths) = (slab::edges(), slab::widths());
+        let (mut share, mut flux) = ([0.0; 4], [0.0; 4]);
+        for bin in 0..BINS {
+            share[zone(bin)] += 0.5 * widths[bin] as f32;
+            flux[zone(bin)] += (0.5 * (edges[bin + 1].powi(2) - edges[bin].powi(2))) as f32;
+        }
+        let cosines: Vec<f64> = (0..COSINES).map(|i| f64::from(cosine(i, 0.0)).max(0.02)).collect();
+        let solved: Vec<_> = (0..TINTS).into_par_iter().map(|i| medium.solve(tint(i), &cosines)).collect();
+        let (mut field, mut response) = (Vec::new(), Vec::new());
+        for (solution, operators) in &solved {
+            for d in 0..DEPTHS {
+                for (k, mu) in cosines.iter().enumerate() {
+                    let mut of_zone = [0.0; 4];
+                    // What is blocked by the body itself is dark.
+                    if d + 1 < DEPTHS {
+                        let square = f64::from(depth(d)) * mu / operators.extinction_at(*mu);
+                        for bin in 0..BINS {
+                            let part = widths[bin] as f32 * 0.5 / share[zone(bin)];
+                            of_zone[zone(bin)] += part * solution.radiance(square, k, bin) as f32;
+                        }
+                    }
+                    field.push(of_zone);
+                }
+            }
+            for i in 0..COSINES {
+                let mu = f64::from(cosine(i, -1.0));
+                let mut of_zone = [0.0; 4];
+                for bin in 0..BINS {
+                    of_zone[zone(bin)] += (operators.kernel_at(mu, bin) / operators.extinction_at(mu)) as f32;
+                }
+                response.push(of_zone);
+            }
+        }
+        Self { share, flux, field, response, guard: guard_response(guard) }
+    }
+}
+
+/// [`Table::guard`].
+fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
+    (0..TINTS * COSINES)
+        .into_par_iter()
+        .map(|i| {
+            let sin = cosine(i % COSINES, -1.0).clamp(-0.999, 0.999);
+            let cos = (1.0 - sin * sin).sqrt();
+            let wo = Vec3::new(sin, cos, 0.0);
+            let mut sum = Vec3::ZERO;
+            for k in 0..SAMPLES {
+                let seed = hash2(i as u32, k);
+                let hit = Hit {
+                    tint: Vec3::splat(tint(i / COSINES)),
+                    glint_angle: (30.0 + 15.0 * random(seed, 5)).to_radians(),
+                    h: 2.0 * random(seed, 4) - 1.0,
+                };
+                if let Some(s) = fibre.sample(&hit, wo, [0, 1, 2, 3].map(|k| random(seed, k))) {
+                    sum += s.weight.x * Vec3::new(1.0, s.direction.x, s.direction.y);
+                }
+            }
+            (sum / SAMPLES as f32).extend(0.0).to_array()
+        })
+        .collect()
+}
+
+/// Directions in which hairs stand around a normal, which is z: unit tangents that lean by `lean` (tangent of the angle) at the tip and
+/// are turned by `jitter`, in the upper half of a coat, which is what is seen.
+pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
+    (0..512)
+        .map(|i| {
+            let h = hash2(seed, i);
+            let t = 0.5 + 0.5 * random(h, 0);
+            let turn = jitter * t.powf(exponent) * random_direction(h, 1);
+            (Vec3::new(lean * t, 0.0, 1.0) + turn).normalize()
+        })
+        .collect()
+}

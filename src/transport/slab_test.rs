@@ -1,0 +1,157 @@
+//! The adding method against Monte Carlo in the same medium.
+
+use super::*;
+use crate::transport::tangents;
+use std::f64::consts::PI;
+
+fn medium(tint: f32, depth: f64) -> (Medium, f32) {
+    let tangents = tangents(0.2, 0.4, 1.0, 3);
+    (Medium { fibre: Fibre::Diffuse, tangents, depth, skin: 0.3, seed: 7 }, tint)
+}
+
+fn toward(degrees: f32) -> Vec3 {
+    Vec3::new(degrees.to_radians().sin(), 0.0, degrees.to_radians().cos())
+}
+
+/// A random walk from the eye: light scattered once or more times to `view` for an irradiance of 1 from `light`.
+fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
+    let hairs: Vec<(Vec3, f32)> = m.tangents.iter().map(|t| (*t, 1.0 / t.z.max(0.2))).collect();
+    let turned = |seed: u32, k: u32| {
+        let pick = (random(seed, k) * hairs.len() as f32) as usize;
+        let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, k + 1));
+        (turn * hairs[pick].0, hairs[pick].1)
+    };
+    let most = hairs.iter().map(|h| h.1).fold(0.0, f32::max);
+    // Mean extinction by cosine to the normal.
+    let table: Vec<f64> = (0..=64u32)
+        .map(|i| {
+            let w = toward((f64::from(i) / 64.0 * 90.0) as f32);
+            let of = |k: u32| {
+                let (t, weight) = turned(hash2(i, k), 0);
+                f64::from(weight * (1.0 - t.dot(w).powi(2)).max(0.0).sqrt())
+            };
+            (0..4000).map(of).sum::<f64>() / 4000.0
+        })
+        .collect();
+    let extinction = |w: Vec3| {
+        let x = f64::from(w.z.abs().min(1.0).acos().to_degrees()) / 90.0 * 64.0;
+        let k = (x as usize).min(63);
+        table[k] + (table[k + 1] - table[k]) * (x - k as f64)
+    };
+    let slant = extinction(light) / f64::from(light.z);
+    let mut sum = 0.0;
+    for walk in 0..walks {
+        let (mut w, mut at, mut weight) = (-view, 0.0f64, 1.0f64);
+        for step in 0..2000u32 {
+            let seed = hash2(hash2(99, walk), step);
+            let free = -(1.0 - f64::from(random(seed, 0))).ln() / extinction(w);
+            at -= f64::from(w.z) * free;
+            if at <= 0.0 {
+                break;
+            }
+            if at >= m.depth {
+                at = m.depth - 1e-9;
+                sum += weight * m.skin / PI * f64::from(light.z) * (-slant * m.depth).exp();
+                weight *= m.skin;
+                let d = crate::reference::hash::random_direction(seed, 1) + Vec3::Z;
+                w = d.normalize_or(Vec3::Z);
+            } else {
+                // A hair in proportion to what it shows.
+                let mut k = 10;
+                let (tangent, shown) = loop {
+                    let (t, of) = turned(seed, k);
+                    let shown = of * (1.0 - t.dot(w).powi(2)).max(0.0).sqrt();
+                    if random(seed, k + 2) * most < shown {
+                        break (t, shown);
+                    }
+                    k += 3;
+                };
+                assert!(shown > 0.0);
+                let (y, z) = tangent.any_orthonormal_pair();
+                let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
+                let h = 2.0 * random(seed, 4) - 1.0;
+                let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h };
+                let (wo, wi) = (local(-w), local(light));
+                let cos = (1.0 - wi.x * wi.x).max(0.0).sqrt();
+                sum += weight * f64::from(m.fibre.evaluate(&hit, wi, wo).x * cos) * (-slant * at).exp();
+                let Some(s) = m.fibre.sample(&hit, wo, [5, 6, 7, 8].map(|k| random(seed, k))) else { break };
+                weight *= f64::from(s.weight.x);
+                w = tangent * s.direction.x + y * s.direction.y + z * s.direction.z;
+            }
+            if weight < 0.1 {
+                if random(seed, 9) > 0.5 {
+                    break;
+                }
+                weight *= 2.0;
+            }
+        }
+    }
+    sum / f64::from(walks)
+}
+
+/// The same by the solution: scattered once as the walk's first order, and more often from the bins.
+fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
+    let (l, v) = (f64::from(light.z), f64::from(view.z));
+    let (solution, op) = m.solve(tint, &[l]);
+    let steps = 4000;
+    let dz = m.depth / f64::from(steps);
+    let once = (0..20_000u32)
+        .map(|k| {
+            let seed = hash2(5, k);
+            let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, 0));
+            let t = turn * m.tangents[(random(seed, 1) * m.tangents.len() as f32) as usize];
+            let (y, z) = t.any_orthonormal_pair();
+            let local = |v: Vec3| Vec3::new(t.dot(v), y.dot(v), z.dot(v));
+            let (wi, wo) = (local(light), local(view));
+            let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h: 2.0 * random(seed, 2) - 1.0 };
+            let sines = ((1.0 - wi.x * wi.x) * (1.0 - wo.x * wo.x)).max(0.0).sqrt();
+            f64::from(m.fibre.evaluate(&hit, wi, wo).x * sines / t.z.max(0.2))
+        })
+        .sum::<f64>()
+        / 20_000.0;
+    let (sl, sv) = (op.extinction_at(l) / l, op.extinction_at(v) / v);
+    let mut sum = 0.0;
+    for i in 0..steps {
+        let at = (f64::from(i) + 0.5) * dz;
+        let often: f64 = (0..BINS).map(|bin| op.kernel_at(v, bin) * solution.radiance(at, 0, bin)).sum();
+        sum += (-sv * at).exp() / v * (often + once * (-sl * at).exp()) * dz;
+    }
+    // Through the coat to the skin, by what falls on it.
+    let falling: f64 = (HALF..BINS)
+        .map(|bin| 2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(m.depth, 0, bin))
+        .sum();
+    sum + m.skin / PI * (falling + l * (-sl * m.depth).exp()) * (-sv * m.depth).exp()
+}
+
+#[test]
+fn adding_agrees_with_monte_carlo() {
+    for (tint, depth) in [(0.5, 20.0), (0.9, 20.0), (0.9, 1.0)] {
+        let (m, tint) = medium(tint, depth);
+        for (light, view) in [(20.0, 50.0), (70.0, 30.0)] {
+            let wanted = monte_carlo(&m, tint, toward(light), toward(view), 6000);
+            let found = by_adding(&m, tint, toward(light), toward(view));
+            println!(
+                "tint {tint}, depth {depth}, light {light}, view {view}: {found:.4}, walks {wanted:.4}, {:.3}",
+                found / wanted
+            );
+            assert!((found / wanted - 1.0).abs() < 0.06, "{found} {wanted}");
+        }
+    }
+    // A wrong coat is noticed: brighter hairs.
+    let (m, _) = medium(0.5, 20.0);
+    let wanted = monte_carlo(&m, 0.5, toward(20.0), toward(50.0), 6000);
+    assert!(by_adding(&m, 0.6, toward(20.0), toward(50.0)) > 1.1 * wanted);
+}
+
+#[test]
+fn a_lossless_coat_on_a_white_skin_loses_nothing() {
+    // All light that enters comes out again: the flux at the top is that of the light.
+    let (mut m, _) = medium(1.0, 5.0);
+    m.skin = 1.0;
+    let light = 0.7;
+    let (solution, _) = m.solve(1.0, &[light]);
+    let out: f64 =
+        (0..HALF).map(|bin| -2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(0.0, 0, bin)).sum();
+    println!("out {out:.4}, in {light}");
+    assert!((out / light - 1.0).abs() < 0.03, "{out}");
+}
