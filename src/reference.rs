@@ -31,6 +31,7 @@ pub mod shell_prisms;
 pub mod shellfin_raster;
 pub mod shellfin_rows;
 pub mod strands;
+pub mod transport;
 pub mod undercoat;
 pub mod undercoat_density;
 pub mod undercoat_light;

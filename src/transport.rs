@@ -149,3 +149,10 @@ pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
         })
         .collect()
 }
+
+impl Table {
+    /// The table as the shaders read it.
+    pub fn packed(&self) -> Vec<[f32; 4]> {
+        [&[self.share, self.flux], &self.field[..], &self.response, &self.guard].concat()
+    }
+}
