@@ -1,11 +1,13 @@
-// Multiple scattering in the coat, from the table `transport` of src/transport.rs: shares and fluxes of the four zones, then the
-// fields, the undercoat's responses and the guard hairs' responses. A matrix holds four zones of one colour a column.
+// Multiple scattering in the coat, from the table `transport` of src/transport.rs: shares and fluxes of the four zones, weights of what
+// comes from above and below; then the fields, the undercoat's responses and the guard hairs' responses. A matrix holds the four zones
+// of one colour in a column.
 // Needs: transport (array<vec4f>).
 
 const TABLE_TINTS: u32 = 10u;
 const TABLE_DEPTHS: u32 = 20u;
 const TABLE_COSINES: u32 = 16u;
-const TABLE_RESPONSE: u32 = 2u + TABLE_TINTS * TABLE_DEPTHS * TABLE_COSINES;
+const TABLE_FIELD: u32 = 3u;
+const TABLE_RESPONSE: u32 = TABLE_FIELD + TABLE_TINTS * TABLE_DEPTHS * TABLE_COSINES;
 const TABLE_GUARD: u32 = TABLE_RESPONSE + TABLE_TINTS * TABLE_COSINES;
 
 // Place in a table of `count` entries: the entry below and the weight of the next.
@@ -37,7 +39,7 @@ fn field_entry(tint: f32, depth: TablePlace, light: TablePlace) -> vec4f {
     let t = tint_place(tint);
     var sides = array<vec4f, 2>();
     for (var k = 0u; k < 2u; k++) {
-        let i = 2u + ((t.index + k) * TABLE_DEPTHS + depth.index) * TABLE_COSINES + light.index;
+        let i = TABLE_FIELD + ((t.index + k) * TABLE_DEPTHS + depth.index) * TABLE_COSINES + light.index;
         let low = mix(transport[i], transport[i + 1u], light.part);
         let high = mix(transport[i + TABLE_COSINES], transport[i + TABLE_COSINES + 1u], light.part);
         sides[k] = mix(low, high, depth.part);

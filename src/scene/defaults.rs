@@ -147,10 +147,17 @@ impl Default for RenderSpec {
             virtual_fragments: 30,
             simplified_attenuation: 4.0,
             shading: Shading::Physical,
+            multiple: MultipleScattering::default(),
             light: LightLookup::Lattice,
             seed: 0,
             tile: None,
             memory: 1 << 30,
         }
+    }
+}
+
+impl Default for MultipleScattering {
+    fn default() -> Self {
+        Self { model: MultipleModel::default(), forward: true, backward: true, density: [0.7; 2] }
     }
 }
