@@ -26,6 +26,8 @@ pub const TINTS: usize = 10;
 pub const DEPTHS: usize = 20;
 /// Inclinations of a light or a view to the skin's normal.
 pub const COSINES: usize = 16;
+/// Rows of `response_table` in `shaders/shared/transport.wgsl`.
+pub const ROWS: usize = 7;
 /// Largest optical depth in a table, and that of a light that is blocked.
 pub const DEEPEST: f32 = 18.0;
 /// Samples for each entry of [`Table::guard`].
@@ -176,11 +178,28 @@ pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
 }
 
 impl Table {
-    /// The table as the shaders read it.
-    pub fn packed(&self) -> Vec<[f32; 4]> {
+    /// Texels of `field_table`: [`COSINES`] x [`DEPTHS`] x [`TINTS`].
+    pub fn field_texels(&self) -> &[[f32; 4]] {
+        &self.field
+    }
+
+    /// Texels of `response_table`: [`COSINES`] x [`ROWS`] x [`TINTS`].
+    pub fn response_texels(&self) -> Vec<[f32; 4]> {
         let [on, back] = self.dual_density;
-        let head = [self.share, self.flux, [on, back, 0.0, 0.0]];
-        let [coat, guard] = &self.dual;
-        [&head, &self.field[..], &self.response, &self.guard, coat, guard].concat()
+        let mut head = vec![[0.0; 4]; COSINES];
+        head[..3].copy_from_slice(&[self.share, self.flux, [on, back, 0.0, 0.0]]);
+        let mut texels = Vec::new();
+        for tint in 0..TINTS {
+            let row = |table: &[[f32; 4]]| table[tint * COSINES..][..COSINES].to_vec();
+            texels.extend_from_slice(&head);
+            texels.extend(row(&self.response));
+            texels.extend(row(&self.guard));
+            for dual in &self.dual {
+                for which in 0..2 {
+                    texels.extend(dual[2 * tint * COSINES..][..2 * COSINES].iter().skip(which).step_by(2));
+                }
+            }
+        }
+        texels
     }
 }
