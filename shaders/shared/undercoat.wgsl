@@ -4,11 +4,11 @@
 #import shared/undercoat_types
 
 struct Medium {
-    density: f32,   // relative to the mean, 0..2.5
+    density: f32,   // relative to the skin's mean, 0..4
     tangent: vec3f, // unit
 }
 
-const DENSITY_RANGE: f32 = 2.5;
+const DENSITY_RANGE: f32 = 4.0;
 
 fn pack_medium(m: Medium) -> u32 {
     let oct = vec2u(round((octahedral_encode(m.tangent) * 0.5 + 0.5) * 1023.0));

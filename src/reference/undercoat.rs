@@ -10,14 +10,14 @@ use glam::{Vec2, Vec3};
 /// Density and tangent of a subelement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium {
-    /// Relative to the mean, 0..2.5.
+    /// Relative to the skin's mean, 0..4.
     pub density: f32,
     /// Unit.
     pub tangent: Vec3,
 }
 
 /// Largest density that is stored.
-pub const DENSITY_RANGE: f32 = 2.5;
+pub const DENSITY_RANGE: f32 = 4.0;
 
 /// 12 bits of density, 10 bits a coordinate of the octahedral tangent.
 pub fn pack_medium(m: Medium) -> u32 {
@@ -139,7 +139,9 @@ impl Undercoat<'_> {
         let l = subelement_centroid(id, place.subdivision);
         let t = (layer as f32 + 0.5) / self.fur.layers as f32;
         let normal = place.extrusion(l).normalize();
-        self.evaluate(self.domain_point(place, l), normal, t, hash2(place.prism, (layer << 16) | id))
+        let id = hash2(place.prism, (layer << 16) | id);
+        let medium = self.evaluate(self.domain_point(place, l), normal, t, id);
+        Medium { density: medium.density * place.crowding(t, medium.tangent), ..medium }
     }
 
     /// Medium at a place: of its subelement.
