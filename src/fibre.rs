@@ -10,12 +10,20 @@
 mod chiang;
 mod kajiya_kay;
 pub mod lobes;
+pub mod medulla;
+mod packed;
 mod sadeghi;
+pub mod table;
 
 pub use chiang::{Absorption, Chiang};
 pub use kajiya_kay::KajiyaKay;
+pub use medulla::Medulla;
+pub use packed::MODELS;
 pub use sadeghi::Sadeghi;
+pub use table::{Albedos, FarTable, Hemisphere, Hemispheres};
 
+use crate::pathtrace::strands::Layer;
+use crate::scene::{FibreModel, FibreSpec, Scene, Shading};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI};
 
@@ -28,6 +36,8 @@ pub enum Fibre {
     Sadeghi(Sadeghi),
     /// A rough dielectric cylinder.
     Chiang(Chiang),
+    /// A cortex around a medulla that scatters.
+    Medulla(Medulla),
 }
 
 /// Where and how coloured a hair is hit.
@@ -104,6 +114,63 @@ pub fn offsets(steps: u32) -> impl Iterator<Item = (f32, f32)> {
 }
 
 impl Fibre {
+    /// The model of a scene's table, for a layer whose table may leave it open; `shading = "paper"` has the layer's own.
+    pub fn new(spec: &FibreSpec, layer: Layer, paper: bool) -> Self {
+        let usual = match layer {
+            Layer::Guard => FibreModel::Sadeghi,
+            Layer::Undercoat => FibreModel::KajiyaKay,
+        };
+        let model = if paper { usual } else { spec.model.unwrap_or(usual) };
+        let absorption = spec.absorption.map(Vec3::from);
+        let sadeghi = || Sadeghi {
+            intensity: spec.intensity,
+            shift: spec.shift.map(f32::to_radians),
+            width: spec.width.map(f32::to_radians),
+            azimuth_tt: spec.azimuth_tt.to_radians(),
+            glint: spec.glint[0],
+            glint_width: spec.glint[1].to_radians(),
+            diffuse: spec.diffuse.unwrap_or(0.7),
+            albedo: None,
+        };
+        match model {
+            FibreModel::KajiyaKay => Self::KajiyaKay(KajiyaKay::new(
+                spec.diffuse.unwrap_or(1.0),
+                spec.specular,
+                spec.specular_exponent,
+            )),
+            FibreModel::Sadeghi => Self::Sadeghi(sadeghi()),
+            FibreModel::SadeghiNormalised => Self::Sadeghi(sadeghi().normalised()),
+            FibreModel::Chiang => {
+                Self::Chiang(Chiang::new(spec.roughness, spec.tilt.to_radians(), spec.ior, absorption))
+            }
+            FibreModel::Medulla => {
+                let m = &spec.medulla;
+                let parts = medulla::Parts {
+                    ior: spec.ior,
+                    tilt: spec.tilt.to_radians(),
+                    layers: m.layers,
+                    absorption: absorption.map_or_else(|| Absorption::by_color(0.3), Absorption::Fixed),
+                    radius: m.radius,
+                    scattering: m.scattering,
+                    medulla_absorption: m.absorption,
+                    anisotropy: m.anisotropy,
+                    width: m.width.map(f32::to_radians),
+                };
+                Self::Medulla(Medulla::new(parts, medulla::scatter::cache_folder().as_deref()))
+            }
+        }
+    }
+
+    /// That of the guard hairs of a scene.
+    pub fn guard(scene: &Scene) -> Self {
+        Self::new(&scene.guard.fibre, Layer::Guard, scene.render.shading == Shading::Paper)
+    }
+
+    /// That of a scene's undercoat.
+    pub fn undercoat(scene: &Scene) -> Self {
+        Self::new(&scene.undercoat.fibre, Layer::Undercoat, scene.render.shading == Shading::Paper)
+    }
+
     /// f(ω_i, ω_o), without the cosine, 1/sr.
     pub fn evaluate(&self, hit: &Hit, wi: Vec3, wo: Vec3) -> Vec3 {
         let a = Angles::new(wi, wo);
@@ -116,12 +183,13 @@ impl Fibre {
             Self::KajiyaKay(model) => model.color(hit) * model.scatter(a),
             Self::Sadeghi(model) => model.scatter(hit, a),
             Self::Chiang(model) => model.scatter(hit, a),
+            Self::Medulla(model) => model.scatter(hit, a),
         }
     }
 
     /// Whether the model depends on the offset across the fibre.
     pub fn is_near_field(&self) -> bool {
-        matches!(self, Self::Chiang(_))
+        matches!(self, Self::Chiang(_) | Self::Medulla(_))
     }
 
     /// [`Fibre::evaluate`], the mean over the offset h: a fibre too thin to see across.
@@ -152,6 +220,7 @@ impl Fibre {
             Self::KajiyaKay(model) => model.sample(hit, o, u),
             Self::Sadeghi(model) => model.sample(hit, o, u),
             Self::Chiang(model) => model.sample(hit, o, u),
+            Self::Medulla(model) => model.sample(hit, o, u),
         };
         let i = inclination(sin);
         let around = wo.z.atan2(wo.y) + phi;
@@ -175,6 +244,7 @@ impl Fibre {
             Self::KajiyaKay(model) => model.pdf(hit, a),
             Self::Sadeghi(model) => model.pdf(hit, a),
             Self::Chiang(model) => model.pdf(hit, a),
+            Self::Medulla(model) => model.pdf(hit, a),
         }
     }
 }

@@ -1,7 +1,11 @@
 //! The fibre models: energy, reciprocity, sampling. Random numbers are of fixed seeds.
 
 use glam::Vec3;
-use pelage::fibre::{Angles, Chiang, Fibre, Hit, KajiyaKay, Sadeghi};
+use pelage::fibre::medulla::Parts;
+use pelage::fibre::medulla::scatter::{Medium, ScatterTable};
+use pelage::fibre::{
+    Absorption, Albedos, Angles, Chiang, FarTable, Fibre, Hit, KajiyaKay, Medulla, Sadeghi, offsets,
+};
 use pelage::reference::hash::random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -34,6 +38,26 @@ fn chiang(roughness: f32) -> Fibre {
     Fibre::Chiang(Chiang::new([roughness; 2], 2f32.to_radians(), 1.55, None))
 }
 
+fn parts() -> Parts {
+    Parts {
+        ior: 1.49,
+        tilt: 2.64f32.to_radians(),
+        layers: 0.68,
+        absorption: Absorption::by_color(0.3),
+        radius: 0.86,
+        scattering: 3.15,
+        medulla_absorption: 0.0,
+        anisotropy: 0.79,
+        width: [9.45f32, 17.63].map(f32::to_radians),
+    }
+}
+
+fn medulla(edit: impl Fn(&mut Parts)) -> Fibre {
+    let mut parts = parts();
+    edit(&mut parts);
+    Fibre::Medulla(Medulla::new(parts, None))
+}
+
 /// Models with their names; those that lose nothing are marked.
 fn models() -> Vec<(String, Fibre, bool)> {
     let mut all = vec![
@@ -45,6 +69,13 @@ fn models() -> Vec<(String, Fibre, bool)> {
     for roughness in [0.1, 0.3, 0.6, 1.0] {
         all.push((format!("chiang {roughness}"), chiang(roughness), true));
     }
+    all.push(("medulla".into(), medulla(|_| ()), true));
+    all.push((
+        "medulla, thin".into(),
+        medulla(|p| (p.radius, p.anisotropy, p.layers) = (0.4, 0.3, 1.5)),
+        true,
+    ));
+    all.push(("medulla, none".into(), medulla(|p| p.radius = 0.0), true));
     all
 }
 
@@ -327,4 +358,144 @@ fn lobes_of_chiang_leave_where_a_smooth_fibre_sends_them() {
     assert!((best.unwrap().to_degrees() - (mirror + 4.0)).abs() < 0.6, "R {best:?}");
     let side = |phi: f64| model.evaluate(&hit, direction(mirror.to_radians(), phi), wo).x;
     assert!(side(-PI / 3.0) > 20.0 * side(PI / 3.0), "the reflection leaves on the side of its offset");
+}
+
+#[test]
+fn lobes_of_a_fibre_with_a_medulla_share_the_light() {
+    let Fibre::Medulla(model) = medulla(|_| ()) else { panic!() };
+    let mean = |f: &dyn Fn([f32; 6]) -> f32| -> f32 {
+        offsets(400).map(|(h, w)| w * f(model.energies([0.0, 1.0], h))).sum()
+    };
+    // The five lobes of the paper; all longer paths are little; all is one.
+    let five = mean(&|e| e[..5].iter().sum());
+    let whole = mean(&|e| e.iter().sum());
+    println!("five lobes {five:.5}, with all longer paths {whole:.6}");
+    assert!((whole - 1.0).abs() < 1e-4 && five <= whole && five > 0.99, "{five} {whole}");
+    // As published, what is not scattered in the medulla counts there too.
+    let published = mean(&|e| {
+        let f = e[0];
+        let through = e[1] / ((1.0 - f) * (1.0 - f)).max(1e-9);
+        let scattered = if through < 0.9999 { (1.0 - f) + (1.0 - f) * f * through } else { 0.0 };
+        e[0] + e[1] + e[2] + scattered
+    });
+    println!("without the part that is scattered: {published:.4}");
+    assert!(published > 1.005, "{published}");
+}
+
+#[test]
+fn medulla_tables_are_kept_and_made_again() {
+    let medium = Medium { scattering: 1.3, anisotropy: 0.4, ior: 1.55 };
+    let started = std::time::Instant::now();
+    let made = ScatterTable::simulate(medium);
+    println!("simulated in {:.2} s", started.elapsed().as_secs_f32());
+    let folder = tempfile::tempdir().unwrap();
+    let below = folder.path().join("not/there");
+    assert_eq!(ScatterTable::cached(medium, Some(&below)), made);
+    let file = std::fs::read_dir(&below).unwrap().next().unwrap().unwrap().path();
+    let whole = std::fs::read(&file).unwrap();
+    assert_eq!(ScatterTable::cached(medium, Some(&below)), made, "from the cache");
+    // What is read comes from the file: one of another medium under this name is noticed, and so is damage.
+    let mut flipped = whole.clone();
+    flipped[1000] ^= 1;
+    for bad in [&whole[..whole.len() / 2], &[][..], &flipped[..]] {
+        std::fs::write(&file, bad).unwrap();
+        assert_eq!(ScatterTable::cached(medium, Some(&below)), made);
+        assert_eq!(std::fs::read(&file).unwrap(), whole, "the file is made again");
+    }
+    let other = ScatterTable::cached(Medium { anisotropy: 0.5, ..medium }, Some(&below));
+    assert_ne!(other, made);
+    // No folder can be made below a file.
+    assert_eq!(ScatterTable::cached(medium, Some(&file.join("x"))), made);
+}
+
+#[test]
+fn scattered_light_goes_where_the_medium_sends_it() {
+    let of = |anisotropy| ScatterTable::simulate(Medium { scattering: 2.0, anisotropy, ior: 1.5 });
+    let [forward, back] = [0.8, -0.6].map(of);
+    // Mean cosine of the azimuth for light through the middle.
+    let mean = |t: &ScatterTable| -> f32 {
+        (0..720)
+            .map(|k| (k as f32 / 720.0 - 0.5) * TAU as f32)
+            .map(|x| t.around(0.0, 0.0, x) * x.cos())
+            .sum::<f32>()
+            * TAU as f32
+            / 720.0
+    };
+    assert!(mean(&forward) > 0.4 && mean(&back) < 0.0, "{} {}", mean(&forward), mean(&back));
+    let even = of(0.0);
+    let symmetric = (even.around(0.3, 0.0, 1.0) - even.around(0.3, 0.0, -1.0)).abs();
+    assert!(symmetric < 0.02, "{symmetric}");
+    assert!((even.around(0.3, 0.5, 1.0) - even.around(0.3, -0.5, -1.0)).abs() < 1e-6);
+    // Light on the side of its offset comes back on that side.
+    assert!(even.around(0.0, 0.9, 2.0) > even.around(0.0, 0.9, -2.0));
+}
+
+/// The models that have tables.
+fn thick() -> Vec<(String, Fibre)> {
+    models().into_iter().filter(|(_, m, _)| m.is_near_field()).map(|(name, m, _)| (name, m)).collect()
+}
+
+#[test]
+fn tables_are_the_far_field() {
+    for (name, model) in thick() {
+        let started = std::time::Instant::now();
+        let table = FarTable::new(&model).unwrap();
+        let seconds = started.elapsed().as_secs_f32();
+        assert!(table.values.len() * 8 <= 2 << 20, "{name}: {} bytes", table.values.len() * 8);
+        let mut worst = 0f32;
+        let tint = Vec3::new(0.9, 0.35, 0.02);
+        for i in 0..60 {
+            let [a, b, c, _] = uniform(i, 9);
+            let theta = (1.5 * (2.0 * a - 1.0)).sin();
+            let o = [theta, (1.0 - theta * theta).sqrt()];
+            let theta_i = -theta + 0.2 * (b - 0.5);
+            let i = [theta_i.clamp(-1.0, 1.0), (1.0 - theta_i * theta_i).max(0.0).sqrt()];
+            let at = |phi: f32| (Angles { i, o, phi }, hit(tint, 0.0));
+            // Peak over the azimuth.
+            let peak = (0..48)
+                .map(|k| {
+                    let (a, hit) = at(k as f32 / 47.0 * PI as f32);
+                    model.scatter_far(&hit, &a)
+                })
+                .fold(Vec3::ZERO, Vec3::max);
+            let (a, hit) = at(c * PI as f32);
+            let off = (table.scatter(&model, &a, tint) - model.scatter_far(&hit, &a)).abs() / peak;
+            worst = worst.max(off.max_element());
+        }
+        println!(
+            "{name}: table in {seconds:.2} s, {} KiB, off by {:.2} % of the peak",
+            table.values.len() * 8 / 1024,
+            100.0 * worst
+        );
+        assert!(worst < 0.02, "{name}: {worst}");
+    }
+}
+
+#[test]
+fn halves_of_the_directions_sum_to_the_albedo() {
+    for (name, model, lossless) in models() {
+        let albedos = Albedos::new(&model);
+        for degrees in [0.0f32, 40.0, -70.0] {
+            let white = albedos.hemispherical(degrees.to_radians(), Vec3::ONE);
+            let whole = white.forward.albedo + white.backward.albedo;
+            println!("{name} at {degrees}: forward {:?}, backward {:?}", white.forward, white.backward);
+            assert!(!lossless || (whole - 1.0).abs().max_element() < 0.01, "{name} at {degrees}: {whole}");
+            let tint = Vec3::new(0.8, 0.4, 0.1);
+            let half = albedos.hemispherical(degrees.to_radians(), tint);
+            let wanted = integrate(f64::from(degrees).to_radians(), [256, 128], |a| {
+                let value = model.scatter_far(&hit(tint, 0.0), a);
+                if a.phi.abs() > std::f32::consts::FRAC_PI_2 { value } else { Vec3::ZERO }
+            });
+            if degrees == 40.0 && name != "sadeghi_normalised" {
+                for k in 0..3 {
+                    let off = (f64::from(half.forward.albedo[k]) - wanted[k]).abs();
+                    assert!(off < 0.01, "{name}: forward {} is not {:?}", half.forward.albedo, wanted);
+                }
+            }
+        }
+    }
+    // Light goes on in TT, on the mirror cone less the tilt.
+    let smooth = Fibre::Chiang(Chiang::new([0.1; 2], 2f32.to_radians(), 1.55, None));
+    let half = Albedos::new(&smooth).hemispherical(0.0, Vec3::ONE).forward;
+    assert!((half.shift.to_degrees() + 2.0).abs() < 2.5 && half.width < 0.4, "{half:?}");
 }
