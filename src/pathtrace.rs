@@ -2,4 +2,8 @@
 //!
 //! A world becomes [`strands::Strands`], guard hairs and undercoat alike; nothing of the shell or the light lattice is used.
 
+pub mod grow;
+mod guard;
+pub mod shell;
 pub mod strands;
+mod undercoat;
