@@ -21,12 +21,16 @@ pub mod bvh;
 pub mod camera;
 pub mod curve;
 pub mod film;
+pub mod grow;
+mod guard;
 pub mod integrator;
 pub mod light;
 pub mod random;
 pub mod resume;
 pub mod scene;
+pub mod shell;
 pub mod strands;
+mod undercoat;
 
 pub use film::Accumulator;
 pub use integrator::{Integrator, Strategy, Tracer};
@@ -36,7 +40,6 @@ pub use scene::Geometry;
 pub use strands::{Layer, Strands};
 
 use crate::{Error, Result, World, assets::Assets, fibre::Fibre, film::Film};
-use glam::Vec3;
 use rayon::prelude::*;
 use std::{
     sync::atomic::{AtomicBool, AtomicU64, Ordering},
@@ -50,6 +53,10 @@ pub struct Options<'a> {
     pub integrator: Integrator,
     /// Which lights there are; not given: those of the renderer for [`Integrator::Single`], the map for [`Integrator::Path`].
     pub lights: Option<LightModel>,
+    /// Which hairs grow.
+    pub grow: grow::GrowOptions,
+    /// Whether guard hairs and undercoat are traced.
+    pub layers: [bool; 2],
     /// Most scatterings of a path.
     pub depth: u32,
     /// Seed of the samples; the fur has the scene's.
@@ -77,6 +84,8 @@ impl Default for Options<'_> {
         Self {
             integrator: Integrator::Path,
             lights: None,
+            grow: grow::GrowOptions::default(),
+            layers: [true; 2],
             depth: 256,
             seed: 0,
             samples: Some(64),
@@ -294,11 +303,28 @@ pub fn render_coats(
     })
 }
 
-/// Which hairs of a world are traced.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Selection {
-    /// Guard hairs and undercoat.
-    pub layers: [bool; 2],
-    /// Only undercoat with roots within this distance (cm) of a point.
-    pub patch: Option<(Vec3, f32)>,
+/// The hairs of `world` that are traced, with their scattering. What they will take is estimated before they grow.
+///
+/// # Errors
+/// [`Error::Usage`] where they take more than the memory allowed; as [`grow::grow`].
+pub fn coats(world: &World, options: &Options<'_>) -> Result<Vec<(Strands, Fibre)>> {
+    let mut estimated = grow::estimate(world, &options.grow)?;
+    let points = estimated.guard_hairs + estimated.undercoat_hairs;
+    estimated.bytes = scene::estimate(points, estimated.segments);
+    estimated.check(options.memory)?;
+    let traced = |layer: Layer| options.layers[usize::from(layer == Layer::Undercoat)];
+    let grown = grow::grow(world, &options.grow)?;
+    Ok(grown.into_iter().filter(|s| traced(s.layer)).map(|s| (s, Fibre::Diffuse)).collect())
+}
+
+/// Grows the hairs of `world` and traces them: [`coats`] and [`render_coats`].
+///
+/// # Errors
+/// As those two.
+pub fn render(
+    world: &World,
+    options: &Options<'_>,
+    on_progress: &mut dyn FnMut(&Progress<'_>) -> Result<()>,
+) -> Result<Outcome> {
+    render_coats(world, coats(world, options)?, options, on_progress)
 }

@@ -13,11 +13,11 @@ use crate::passes::{Passes, Variant};
 use crate::scene::{Fur as FurLayers, LightLookup, Storage};
 use crate::skin::NONE;
 use crate::{Error, Result, World};
-use lattice::{Lattice, number_edges};
+use lattice::Lattice;
+pub(crate) use lattice::number_edges;
 use occluders::bvh;
 use std::sync::Arc;
-use surface::{corner_uv, skin_vertices, subdivide};
-pub(crate) use surface::{shell_normals, vertex_uv};
+pub(crate) use surface::{corner_uv, shell_normals, skin_vertices, subdivide, vertex_uv};
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {

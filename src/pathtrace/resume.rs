@@ -1,10 +1,11 @@
 //! Files from which a rendering goes on.
 
-use super::{Integrator, LightModel, film::Accumulator};
+use super::{Options, film::Accumulator};
 use crate::{
     Error, Result, World,
     film::{Metadata, io},
 };
+use clap::ValueEnum;
 use std::path::Path;
 
 /// What must agree between a file and a rendering that goes on from it.
@@ -16,17 +17,10 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// What tells renderings of `world` apart. `traced` says what else decided which hairs there are, e.g. a patch.
+    /// What tells renderings of `world` apart.
     ///
     /// The scene counts without what changes no sample: samples a pixel, budget, tile, background and tone mapping.
-    pub fn new(
-        world: &World,
-        integrator: Integrator,
-        lights: LightModel,
-        depth: u32,
-        seed: u32,
-        traced: &str,
-    ) -> Self {
+    pub fn new(world: &World, options: &Options<'_>) -> Self {
         let mut scene = world.scene.clone();
         let plain = crate::Scene::default();
         scene.render = crate::scene::RenderSpec { fur: scene.render.fur, seed: scene.render.seed, ..plain.render };
@@ -41,14 +35,17 @@ impl Identity {
         let word = |w: Option<clap::builder::PossibleValue>| {
             w.map(|w| w.get_name().to_owned()).unwrap_or_default()
         };
+        let patch = options.grow.patch.map_or("all".to_owned(), |p| format!("{:?} {:?}", p.centre, p.radius));
         let entries = vec![
             ("version", metadata.get("version").unwrap_or_default().to_owned()),
             ("scene_sha256", metadata.get("scene_sha256").unwrap_or_default().to_owned()),
-            ("integrator", word(clap::ValueEnum::to_possible_value(&integrator))),
-            ("lights", word(clap::ValueEnum::to_possible_value(&lights))),
-            ("depth", depth.to_string()),
-            ("sampling_seed", seed.to_string()),
-            ("traced", traced.to_owned()),
+            ("integrator", word(options.integrator.to_possible_value())),
+            ("lights", word(options.light_model().to_possible_value())),
+            ("depth", options.depth.to_string()),
+            ("sampling_seed", options.seed.to_string()),
+            ("patch", patch),
+            ("undercoat_segments", options.grow.undercoat_segments.to_string()),
+            ("layers", format!("{:?}", options.layers)),
         ];
         Self { entries, metadata }
     }
