@@ -101,11 +101,11 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
 
 // Optical depth above column `v` at `height` (in shell heights) towards a light.
 fn column_tau(v: u32, height: f32, light: u32) -> f32 {
-    let pairs = tau_pairs();
+    let stride = fur.tau_stride;
     let x = clamp(height / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
     let level = min(u32(x), fur.levels - 1u);
-    let node = (v * (fur.levels + 1u) + level) * pairs + light / 2u;
-    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], x - f32(level));
+    let node = (v * (fur.levels + 1u) + level) * stride + light / 2u;
+    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], x - f32(level));
 }
 
 fn table_texel(x: u32, y: u32) -> f32 {

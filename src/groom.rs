@@ -3,13 +3,18 @@
 use crate::fibre::Fibre;
 use crate::layout::{Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{Blend, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
+use crate::scene::{
+    Blend, Color, Fur as FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading, ShellLighting,
+};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = 64;
+
+/// Words that the scattered light takes at a node of the light lattice, behind the optical depths: mean and slope of its radiance.
+pub const SCATTERED_WORDS: u32 = 3;
 
 /// Texel size of the map buffer, bytes: four halves.
 const TEXEL: u64 = 8;
@@ -50,6 +55,14 @@ pub fn has_undercoat(scene: &Scene) -> bool {
         && scene.undercoat.height.max() > 0.0
 }
 
+/// How light scattered by more than one hair is found.
+pub fn multiple_model(scene: &Scene) -> MultipleModel {
+    match scene.render.shading {
+        Shading::Paper => MultipleModel::None,
+        Shading::Physical => scene.render.multiple.model,
+    }
+}
+
 /// Packs the groom of `world`.
 pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
@@ -84,6 +97,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         maps.scalar(&scene.shells.length),
     ];
     let paper = scene.render.shading == Shading::Paper;
+    let multiple = multiple_model(scene);
     let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
     let groom = Groom {
         parameters,
@@ -127,7 +141,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         light_step: (1.5 * free_path).clamp(height / 32.0, height / 8.0),
         height,
         lean: (comb * coat.lean).into(),
-        forward_scattering: if paper { 0.0 } else { coat.forward_scattering },
+        forward_scattering: if multiple == MultipleModel::Similarity { coat.forward_scattering } else { 0.0 },
         isotropic: u32::from(paper),
         lattice: 1,
         levels: 1,
@@ -144,12 +158,14 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
-        padding: 0,
+        tau_stride: 0,
         key_lights: [u32::MAX; 2],
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
     };
-    let (fur, lights) = pack_lights(world, fur);
+    let (mut fur, lights) = pack_lights(world, fur);
+    fur.tau_stride =
+        (fur.lights + 2) / 2 + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
     Ok(PackedGroom {
         groom,
         texels: maps.finish(),

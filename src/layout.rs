@@ -93,7 +93,7 @@ shared! {
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
-        padding: u32,
+        tau_stride: u32,
         key_lights: [u32; 2],
         key_direction: [[f32; 4]; 2],
         key_irradiance: [[f32; 4]; 2],

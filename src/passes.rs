@@ -47,16 +47,20 @@ pub struct Variant {
     pub guard: u32,
     /// Scattering of the undercoat.
     pub coat: u32,
+    /// How light scattered by more than one hair is found: 0 not or by similarity, 1 dual scattering, 2 transport.
+    pub multiple: u32,
 }
 
 impl Variant {
     /// Number of variants.
-    pub const COUNT: usize = 4 * (MODELS * MODELS) as usize;
+    pub const COUNT: usize = 12 * (MODELS * MODELS) as usize;
 
     /// A number below [`Variant::COUNT`].
     pub fn index(self) -> usize {
         let models = self.guard.min(MODELS - 1) * MODELS + self.coat.min(MODELS - 1);
-        usize::from(self.stored) + 2 * usize::from(self.nested) + 4 * models as usize
+        usize::from(self.stored)
+            + 2 * usize::from(self.nested)
+            + 4 * (models * 3 + self.multiple.min(2)) as usize
     }
 
     /// Values of the shaders' `override` constants.
@@ -66,6 +70,10 @@ impl Variant {
             ("NESTED", f64::from(u8::from(self.nested))),
             self.coat(),
         ]
+    }
+
+    fn multiple(self) -> (&'static str, f64) {
+        ("MULTIPLE", f64::from(self.multiple))
     }
 
     fn guard(self) -> (&'static str, f64) {

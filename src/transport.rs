@@ -13,6 +13,7 @@
 
 pub mod dual;
 pub mod slab;
+mod world;
 
 use crate::fibre::{Fibre, Hit};
 use crate::reference::hash::{hash2, random, random_direction};

@@ -13,7 +13,7 @@ use pelage::fibre::Fibre;
 use pelage::layout::Root;
 use pelage::reference::film::halves;
 use pelage::reference::guard_shade::{HIDDEN, shade};
-use pelage::scene::{Scene, Shading};
+use pelage::scene::{MultipleModel, Scene, Shading};
 use worlds::ball;
 
 /// Compares all strands; `fibre_factor` disturbs the twin's fibre.
@@ -64,6 +64,16 @@ fn shades_agree_with_the_twin() {
 #[test]
 fn paper_shading_agrees_with_the_twin() {
     assert!(agreement(|s| s.render.shading = Shading::Paper, 1.0) > 0.995);
+}
+
+#[test]
+fn dual_scattering_agrees_with_the_twin() {
+    assert!(agreement(|s| s.render.multiple.model = MultipleModel::Dual, 1.0) > 0.99);
+}
+
+#[test]
+fn transport_agrees_with_the_twin() {
+    assert!(agreement(|s| s.render.multiple.model = MultipleModel::Transport, 1.0) > 0.99);
 }
 
 #[test]

@@ -10,7 +10,6 @@ use pelage::fibre::Fibre;
 use pelage::groom;
 use pelage::layout::Brush;
 use pelage::reference::groom::Maps;
-use pelage::reference::lattice::tau_pairs;
 use pelage::reference::shellfin_rows::{Hair, RowVertex, unpack};
 use pelage::scene::{BakeSource, Scalar, Shells};
 use pelage::shellfin::{FIN_ROWS, levels, rows};
@@ -31,7 +30,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
     let fur = Fur::new(gpu, world, even(source, 6, source == BakeSource::Hybrid), Vec3::new(0.1, -0.2, 0.05));
     let prepared = fur.fur.prepared();
     let layout = prepared.fur;
-    let words = u64::from(layout.columns) * u64::from(layout.levels + 1) * u64::from(tau_pairs(&layout));
+    let words = u64::from(layout.columns) * u64::from(layout.levels + 1) * u64::from(layout.tau_stride);
     let tau: Vec<u32> = gpu.read(prepared.buffer("tau").unwrap(), words * 4).unwrap();
     let vertices = fur.vertices(gpu);
     let brushes: Vec<Brush> = shells

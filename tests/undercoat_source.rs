@@ -10,11 +10,25 @@ mod worlds;
 use lit::Lit;
 use pelage::reference::film::halves;
 use pelage::reference::undercoat_source::unpack;
-use pelage::scene::DirectionalLight;
+use pelage::scene::{DirectionalLight, MultipleModel};
 use worlds::ball;
 
 #[test]
 fn source_and_skin_agree_with_the_twin() {
+    agreement(MultipleModel::Similarity);
+}
+
+#[test]
+fn dual_scattering_agrees_with_the_twin() {
+    agreement(MultipleModel::Dual);
+}
+
+#[test]
+fn transport_agrees_with_the_twin() {
+    agreement(MultipleModel::Transport);
+}
+
+fn agreement(multiple: MultipleModel) {
     let Some(gpu) = gpu::open() else { return };
     let lit = Lit::new(
         gpu,
@@ -23,6 +37,7 @@ fn source_and_skin_agree_with_the_twin() {
             s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
             s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
             s.undercoat.fibre.specular = 0.4;
+            s.render.multiple.model = multiple;
             s.undercoat.lean = 0.5;
             s.guard.comb_direction = [1.0, 0.0, 0.0];
         }),
@@ -37,7 +52,7 @@ fn source_and_skin_agree_with_the_twin() {
             let place = lit.place(column, level);
             let wanted = light.source(column, level, &place);
             let found = unpack(source[(column * (fur.levels + 1) + level) as usize]);
-            // Halves of up to 24: 2^-6 at most; of logarithms.
+            // Halves of up to 24: 2^-6 at most; of logarithms. Tables are filtered with eight bits.
             let ambient = (found.log_ambient - wanted.log_ambient).abs().max_element();
             worst = worst.max(ambient);
             assert!(ambient < 0.02, "column {column}, level {level}: {found:?} is not {wanted:?}");

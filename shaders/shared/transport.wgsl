@@ -3,6 +3,11 @@
 // of hair. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
 // Needs: field_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
 
+// How light scattered by more than one hair is found, fixed when a kernel is compiled.
+override MULTIPLE: u32 = 0u;
+const MULTIPLE_DUAL: u32 = 1u;
+const MULTIPLE_TRANSPORT: u32 = 2u;
+
 const ROW_HEAD: i32 = 0;   // shares of the sphere, fluxes, weights of what is scattered on and back, along the row
 const ROW_COAT: i32 = 1;   // zones, by the cosine of the view to the normal
 const ROW_GUARD: i32 = 2;  // mean, along the hair, across it, by the sine of the view's inclination

@@ -34,7 +34,7 @@ struct Fur {
     virtual_fragments: u32,
     density: f32,              // mean density, 1/cm2
     attenuation: f32,          // a of eq. 4, 1/cm
-    padding: u32,
+    tau_stride: u32,           // words of the buffer `tau` a node
     key_lights: vec2u,         // their numbers among the lights
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,

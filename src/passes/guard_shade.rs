@@ -15,7 +15,9 @@ impl GuardShade {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
-        Ok(Self { main: Kernel::specialised(gpu, "guard_shade", "main", &[variant.guard()])? })
+        Ok(Self {
+            main: Kernel::specialised(gpu, "guard_shade", "main", &[variant.guard(), variant.multiple()])?,
+        })
     }
 
     /// Fills `shades` for `strands` strands.

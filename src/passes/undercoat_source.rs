@@ -15,7 +15,14 @@ impl UndercoatSource {
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
-        Ok(Self { main: Kernel::specialised(gpu, "undercoat_source", "main", &[variant.coat()])? })
+        Ok(Self {
+            main: Kernel::specialised(
+                gpu,
+                "undercoat_source",
+                "main",
+                &[variant.coat(), variant.multiple()],
+            )?,
+        })
     }
 
     /// Fills `source` and `base_light`.

@@ -1,43 +1,62 @@
-//! Tables of the hairs' scattering on the GPU.
+//! Tables of the hairs' scattering, and of multiple scattering, on the GPU.
 
 use crate::Result;
 use crate::fibre::Fibre;
 use crate::gpu::{Gpu, Resource, Scope};
+use crate::transport::{COSINES, DEPTHS, ROWS, TINTS, Table};
 use half::f16;
 
 /// One texture a layer of the fur.
 pub(super) struct Tables {
     guard: wgpu::TextureView,
     coat: wgpu::TextureView,
+    field: wgpu::TextureView,
+    response: wgpu::TextureView,
     sampler: wgpu::Sampler,
 }
 
 impl Tables {
-    pub(super) fn new(gpu: &Gpu, guard: &Fibre, coat: &Fibre) -> Result<Self> {
+    /// `scattered`: where multiple scattering is looked up in a table.
+    pub(super) fn new(gpu: &Gpu, guard: &Fibre, coat: &Fibre, scattered: Option<&Table>) -> Result<Self> {
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("table_sampler"),
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        Ok(Self { guard: upload(gpu, guard)?, coat: upload(gpu, coat)?, sampler })
+        let [guard, coat] = [guard, coat].map(|fibre| {
+            let (size, texels) = fibre.texels();
+            upload(gpu, size, &texels)
+        });
+        let sizes = [DEPTHS, ROWS].map(|rows| [COSINES, rows, TINTS].map(|n| n as u32));
+        // Bound, but not read, where there is none.
+        let nothing = || upload(gpu, [1, 1, 2], &[[0.0; 4]; 2]);
+        let (field, response) = match scattered {
+            Some(table) => (
+                upload(gpu, sizes[0], table.field_texels())?,
+                upload(gpu, sizes[1], &table.response_texels())?,
+            ),
+            None => (nothing()?, nothing()?),
+        };
+        Ok(Self { guard: guard?, coat: coat?, field, response, sampler })
     }
 
-    /// `scope` with `guard_table`, `coat_table` and `table_sampler`.
+    /// `scope` with `guard_table`, `coat_table`, `field_table`, `response_table` and `table_sampler`.
     pub(super) fn bind<'a>(&'a self, scope: Scope<'a>) -> Scope<'a> {
         scope
             .and("guard_table", Resource::Texture(&self.guard))
             .and("coat_table", Resource::Texture(&self.coat))
+            .and("field_table", Resource::Texture(&self.field))
+            .and("response_table", Resource::Texture(&self.response))
             .and("table_sampler", Resource::Sampler(&self.sampler))
     }
 }
 
-fn upload(gpu: &Gpu, fibre: &Fibre) -> Result<wgpu::TextureView> {
-    let ([width, height, layers], texels) = fibre.texels();
+fn upload(gpu: &Gpu, [width, height, layers]: [u32; 3], texels: &[[f32; 4]]) -> Result<wgpu::TextureView> {
     let texels: Vec<[f16; 4]> = texels.iter().map(|t| t.map(f16::from_f32)).collect();
     let size = wgpu::Extent3d { width, height, depth_or_array_layers: layers };
     let texture = gpu.device.create_texture(&wgpu::TextureDescriptor {
-        label: Some("fibre table"),
+        label: Some("scattering table"),
         size,
         mip_level_count: 1,
         sample_count: 1,

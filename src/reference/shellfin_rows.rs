@@ -2,7 +2,6 @@
 
 use super::film::halves;
 use super::groom::{Maps, Parameter, SkinPoint, unpack_color};
-use super::lattice::tau_pairs;
 use super::undercoat::scatter;
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
@@ -112,7 +111,7 @@ impl Hair<'_> {
         let level = (x as u32).min(fur.levels - 1);
         let at = |level: u32| {
             let node = v as u32 * (fur.levels + 1) + level;
-            halves(self.tau[(node * tau_pairs(fur) + light / 2) as usize])[light as usize & 1]
+            halves(self.tau[(node * fur.tau_stride + light / 2) as usize])[light as usize & 1]
         };
         let f = x - level as f32;
         at(level) * (1.0 - f) + at(level + 1) * f
