@@ -1,6 +1,6 @@
 #!/bin/sh
 # Exports a scene, renders it with Mitsuba from a throw-away environment, and compares it with this program's ground truth.
-#   scripts/witness/compare.sh [SCENE [arguments of mitsuba.py]]
+#   scripts/witness/compare.sh [SCENE [arguments of mitsuba_compare.py]]
 # Not part of the tests: it downloads Mitsuba (about 60 MB).
 set -eu
 cd "$(dirname "$0")/../.."
@@ -13,4 +13,4 @@ python3 -m venv "$folder/venv"
 cargo build --release -q
 target/release/pelage export "$scene" --to mitsuba --environment lights -o "$folder/exported"
 target/release/pelage reference "$scene" --integrator single --spp 256 -o "$folder/ours.exr"
-"$folder/venv/bin/python" scripts/witness/mitsuba.py "$folder/exported/scene.xml" "$folder/ours.exr" "$@"
+"$folder/venv/bin/python" scripts/witness/mitsuba_compare.py "$folder/exported/scene.xml" "$folder/ours.exr" "$@"

@@ -13,12 +13,23 @@ import sys
 from pxr import Usd, UsdGeom, UsdLux, UsdUtils
 
 
+def check(path, stage):
+    """What OpenUSD's own checks find, in words."""
+    if hasattr(UsdUtils, "ComplianceChecker"):
+        checker = UsdUtils.ComplianceChecker()
+        checker.CheckCompliance(path)
+        return checker.GetErrors() + checker.GetFailedChecks()
+    # Since OpenUSD 26 there are validators in its place.
+    from pxr import UsdValidation
+
+    validators = UsdValidation.ValidationRegistry().GetOrLoadAllValidators()
+    return [f"{e.GetName()}: {e.GetMessage()}" for e in UsdValidation.ValidationContext(validators).Validate(stage)]
+
+
 def main():
     path = sys.argv[1]
     stage = Usd.Stage.Open(path)
-    checker = UsdUtils.ComplianceChecker()
-    checker.CheckCompliance(path)
-    complaints = checker.GetErrors() + checker.GetFailedChecks()
+    complaints = check(path, stage)
     print(f"{UsdGeom.GetStageMetersPerUnit(stage)} m a unit, {UsdGeom.GetStageUpAxis(stage)} up")
     for prim in stage.Traverse():
         line = f"{prim.GetPath()}: {prim.GetTypeName()}"

@@ -5,7 +5,7 @@ light and fibre scattering.
     pip install mitsuba==3.9.1
     pelage export scenes/witness.toml --to mitsuba -o exported
     pelage reference scenes/witness.toml -o ours.exr --integrator single --spp 256
-    scripts/witness/mitsuba.py exported/scene.xml ours.exr
+    scripts/witness/mitsuba_compare.py exported/scene.xml ours.exr
 
 scripts/witness/compare.sh does all of it. Compared are means over the picture, and over blocks of pixels where enough is covered: hair is too
 fine for single pixels. Coverage is alpha; radiance is R, G, B with one scattering (max_depth 2). Exit code 1 where a mean differs by more
@@ -13,22 +13,22 @@ than the tolerances, which hold for Chiang's hair model; scenes with another mod
 """
 
 import argparse
+import os
 import sys
 
 import numpy as np
 
+sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
+from coverage import read_exr  # noqa: E402
+
 
 def planes(path):
-    """R G B A of an EXR file, rows from the top."""
-    import mitsuba as mi
-
-    bitmap = mi.Bitmap(path)
-    names = [field.name for field in bitmap.struct_()]
-    data = np.array(bitmap.convert(component_format=mi.Struct.Type.Float32, srgb_gamma=False))
-    missing = [c for c in "RGBA" if c not in names]
+    """R G B A of an EXR file of this program, rows from the top."""
+    found, _ = read_exr(path)
+    missing = [c for c in "RGBA" if c not in found]
     if missing:
-        sys.exit(f"{path}: no plane {', '.join(missing)} among {', '.join(names)}")
-    return data[..., [names.index(c) for c in "RGBA"]].astype(float)
+        sys.exit(f"{path}: no plane {', '.join(missing)} among {', '.join(found)}")
+    return np.stack([found[c] for c in "RGBA"], -1).astype(float)
 
 
 def blocks(image, size):
