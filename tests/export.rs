@@ -347,7 +347,7 @@ fn deviations_are_listed() {
         let folder = Folder::new();
         export_to(&folder, target);
         let head = text(&folder, target.head());
-        let has = |part: &str| head.lines().any(|l| l.contains("DEVIATION: ") && l.contains(part));
+        let has = |part: &str| head.lines().any(|l| l.contains("Differs: ") && l.contains(part));
         assert!(has("exposure of 1 stops") && has("folded to 8 directional lights"), "{head:.3000}");
         assert_eq!(has("opacity down to 0.8"), target != Target::Usd, "{target:?}");
         assert_eq!(has("glints"), target != Target::Usd, "{target:?}");

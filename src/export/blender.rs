@@ -36,7 +36,7 @@ fn script(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()
     let v = &job.view;
     writeln!(out, "# {}\n# Render with: blender -b -P scene.py -- out.exr", Job::title())?;
     for note in notes {
-        writeln!(out, "# DEVIATION: {}", note.replace('\n', " "))?;
+        writeln!(out, "# Differs: {}", note.replace('\n', " "))?;
     }
     writeln!(out, "\nSIZE = ({}, {})\nSAMPLES = {}", v.size[0], v.size[1], v.spp)?;
     let filter = match v.filter.0 {

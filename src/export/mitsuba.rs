@@ -119,7 +119,7 @@ fn xml(
     writeln!(out, "<?xml version=\"1.0\" encoding=\"utf-8\"?>\n<!--\n{}", Job::title())?;
     writeln!(out, "Render with: mitsuba scene.xml -Dspp={} -Dmax_depth=64\n", v.spp)?;
     for note in notes {
-        writeln!(out, "DEVIATION: {}", note.replace("--", "- -"))?;
+        writeln!(out, "Differs: {}", note.replace("--", "- -"))?;
     }
     writeln!(out, "-->\n<scene version=\"3.0.0\">")?;
     writeln!(

@@ -127,7 +127,7 @@ fn scene(job: &Job<'_>, notes: &[String], layers: &[String], out: &mut dyn Write
     let v = &job.view;
     writeln!(out, "# {}\n# Render with: pbrt --outfile out.exr scene.pbrt", Job::title())?;
     for note in notes {
-        writeln!(out, "# DEVIATION: {}", note.replace('\n', " "))?;
+        writeln!(out, "# Differs: {}", note.replace('\n', " "))?;
     }
     // pbrt's camera space is left-handed: unmirrored, the picture would be.
     writeln!(out, "\nScale -1 1 1")?;

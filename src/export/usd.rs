@@ -25,7 +25,7 @@ pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
 fn stage(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "#usda 1.0\n# {}", Job::title())?;
     for note in notes {
-        writeln!(out, "# DEVIATION: {}", note.replace('\n', " "))?;
+        writeln!(out, "# Differs: {}", note.replace('\n', " "))?;
     }
     writeln!(out, "(\n    defaultPrim = \"World\"\n    metersPerUnit = 0.01\n    upAxis = \"Y\"\n)\n")?;
     writeln!(out, "def Xform \"World\" (\n    kind = \"component\"\n)\n{{")?;
