@@ -174,7 +174,7 @@ fn slab(world: &World, strands: &Strands, degrees: f32, factor: f64) -> [f64; 2]
             beam.across(Vec3::new(x * (5.0 - drift - 0.1) - 0.5 * drift, height, 4.9 * z))
         })
         .collect();
-    let seen = transmittance(&hits(&beam, &rays, segments(strands), 1.0));
+    let seen = transmittance(&hits(&beam, &rays, segments(strands)));
     let depth = f64::from(coat.density.max() * coat.diameter[0] * 1e-4 * height) * f64::from(angle).tan();
     [seen, (-factor * depth * mean_density(world)).exp()]
 }
@@ -366,4 +366,29 @@ fn estimates_come_true_and_refuse_in_words() {
     let bad = GrowOptions { undercoat_segments: 65, ..Default::default() };
     let refusal = grow(&square(1.0, ""), &bad).expect_err("65 segments").to_string();
     assert!(refusal.contains("65") && refusal.contains("1 to 64"), "{refusal}");
+}
+
+#[test]
+fn leaning_hairs_hang_over_the_border_and_keep_their_height() {
+    let world = square(
+        1.0,
+        "[guard]\ncomb_direction = [1, 0, 0]\n[render]\nfur = \"implicit\"\n[undercoat]\ndensity = 4000\nheight = 0.4\nlean = 0.8\n\
+         tangent_jitter = 0",
+    );
+    let strands = only(&world);
+    let tip = |points: &[glam::Vec4]| (points[0].truncate(), points[strands.segments].truncate());
+    for points in strands.points.chunks(strands.segments + 1) {
+        let (root, tip) = tip(points);
+        // The direction is (lean t, 1): the tip has moved by half of lean times height.
+        let away = tip - root - Vec3::new(0.16, 0.4, 0.0);
+        assert!(away.length() < 1e-3, "root {root}, tip {tip}");
+        let width = points.iter().map(|p| p.w).collect::<Vec<_>>();
+        assert!(
+            width.windows(2).all(|w| w[0] > w[1])
+                && (width[0] - 7e-4).abs() < 1e-8
+                && (width[10] - 4e-4).abs() < 1e-8
+        );
+    }
+    let beyond = strands.points.iter().filter(|p| p.x > 0.5).count();
+    assert!(beyond > 1000, "{beyond} points beyond the border");
 }

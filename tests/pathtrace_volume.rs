@@ -90,7 +90,7 @@ impl Both {
         let beam = Beam::new(w);
         let rays: Vec<Vec2> = starts.iter().map(|x| beam.across(*x)).collect();
         let there = segments(&self.strands).filter(|[a, b]| kept(0.5 * (a + b).truncate()));
-        let hairs = optical_depth(&hits(&beam, &rays, there, 1.0));
+        let hairs = optical_depth(&hits(&beam, &rays, there));
         let some: Vec<&Vec3> = starts.iter().step_by(starts.len() / 60).collect();
         let mut sums = [0.0; 2];
         for x in &some {

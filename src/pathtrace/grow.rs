@@ -109,7 +109,7 @@ pub struct Estimate {
     pub undercoat_hairs: u64,
     /// Segments of all hairs, those left out included.
     pub segments: u64,
-    /// Bytes of the points and hairs.
+    /// Bytes of the points and hairs. While they are grown, up to twice as much is in use.
     pub bytes: u64,
 }
 

@@ -48,10 +48,9 @@ impl Strands {
         let count = parts.iter().map(|(_, hairs)| hairs.len()).sum();
         let mut points = Vec::with_capacity(count * (segments + 1));
         let mut hairs = Vec::with_capacity(count);
-        // Each part is freed once it has been copied.
-        for (part, of_part) in parts {
-            points.extend_from_slice(&part);
-            hairs.extend_from_slice(&of_part);
+        for (of_points, of_hairs) in parts {
+            points.extend(of_points);
+            hairs.extend(of_hairs);
         }
         Self { layer, segments, points, hairs, opacity: Vec::new(), color_transition: [0.5, 1.0] }
     }

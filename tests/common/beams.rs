@@ -37,14 +37,8 @@ pub fn segments(strands: &Strands) -> impl Iterator<Item = [glam::Vec4; 2]> + '_
     })
 }
 
-/// How many segments each infinite ray meets: cones without caps. Rays are points of the beam's plane; `diameter` is a factor on that of
-/// the hairs.
-pub fn hits(
-    beam: &Beam,
-    rays: &[Vec2],
-    segments: impl Iterator<Item = [glam::Vec4; 2]>,
-    diameter: f32,
-) -> Vec<u32> {
+/// How many segments each infinite ray meets: cones without caps. Rays are points of the beam's plane.
+pub fn hits(beam: &Beam, rays: &[Vec2], segments: impl Iterator<Item = [glam::Vec4; 2]>) -> Vec<u32> {
     let low = rays.iter().copied().reduce(Vec2::min).expect("rays");
     let high = rays.iter().copied().reduce(Vec2::max).expect("rays") + 1e-5;
     let side =
@@ -57,7 +51,7 @@ pub fn hits(
     }
     let mut hits = vec![0; rays.len()];
     for [a, b] in segments {
-        let radii = [0.5 * diameter * 2.0 * a.w, 0.5 * diameter * 2.0 * b.w];
+        let radii = [a.w, b.w];
         let [a, b] = [beam.across(a.truncate()), beam.across(b.truncate())];
         let (d, reach) = (b - a, radii[0].max(radii[1]));
         let length2 = d.length_squared();
