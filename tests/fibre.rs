@@ -8,6 +8,7 @@ use pelage::fibre::{
 };
 use pelage::reference::hash::random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
+use std::sync::LazyLock;
 
 fn direction(theta: f64, phi: f64) -> Vec3 {
     Vec3::new(theta.sin() as f32, (theta.cos() * phi.cos()) as f32, (theta.cos() * phi.sin()) as f32)
@@ -59,7 +60,7 @@ fn medulla(edit: impl Fn(&mut Parts)) -> Fibre {
 }
 
 /// Models with their names; those that lose nothing are marked.
-fn models() -> Vec<(String, Fibre, bool)> {
+static MODELS: LazyLock<Vec<(String, Fibre, bool)>> = LazyLock::new(|| {
     let mut all = vec![
         ("kajiya_kay".into(), Fibre::KajiyaKay(KajiyaKay::new(1.0, 0.0, 12.0)), true),
         ("kajiya_kay with highlight".into(), Fibre::KajiyaKay(KajiyaKay::new(0.6, 0.4, 12.0)), false),
@@ -77,7 +78,7 @@ fn models() -> Vec<(String, Fibre, bool)> {
     ));
     all.push(("medulla, none".into(), medulla(|p| p.radius = 0.0), true));
     all
-}
+});
 
 const THETAS: [f64; 5] = [0.0, 30.0, -55.0, 75.0, 85.0];
 
@@ -104,14 +105,14 @@ fn uniform(i: u32, seed: u32) -> [f32; 4] {
 
 #[test]
 fn white_furnace() {
-    for (name, model, lossless) in models() {
+    for (name, model, lossless) in MODELS.iter() {
         for degrees in THETAS {
             let mut worst = 0f64;
             for h in [-0.9f32, 0.0, 0.55] {
                 let hit = hit(Vec3::ONE, h);
                 let found = integrate(degrees.to_radians(), [1024, 512], |a| model.scatter(&hit, a))[0];
                 worst = worst.max((found - 1.0).abs());
-                if lossless {
+                if *lossless {
                     assert!((found - 1.0).abs() < 1e-3, "{name} at {degrees}, h {h}: {found}");
                 } else if !name.starts_with("sadeghi") || name.ends_with("normalised") {
                     assert!(found < 1.001, "{name} at {degrees}: {found}");
@@ -129,7 +130,7 @@ fn white_furnace() {
 
 #[test]
 fn normalisation_is_needed_and_costs_nothing_else() {
-    let (plain, normal) = (Fibre::Sadeghi(bright_sadeghi()), Fibre::Sadeghi(bright_sadeghi().normalised()));
+    let plain = Fibre::Sadeghi(bright_sadeghi());
     let mut most = 0f64;
     for degrees in THETAS {
         let whole = |m: &Fibre| {
@@ -138,19 +139,20 @@ fn normalisation_is_needed_and_costs_nothing_else() {
         most = most.max(whole(&plain));
     }
     assert!(most > 1.3, "the test's hair must create energy: {most}");
-    // A dark hair that creates none stays as it is.
+    // A hair that creates none stays as it is.
+    let (plain, normal) = (Fibre::Sadeghi(sadeghi()), Fibre::Sadeghi(sadeghi().normalised()));
     let tint = Vec3::splat(0.05);
     for degrees in [0.0, 30.0] {
         let whole =
             |m: &Fibre| integrate(f64::to_radians(degrees), [512, 256], |a| m.scatter(&hit(tint, 0.0), a))[0];
         let (a, b) = (whole(&plain), whole(&normal));
-        assert!(a < 1.0 && b <= a, "{a} {b}");
+        assert!(a < 1.0 && (a - b).abs() < 1e-6, "{a} {b}");
     }
 }
 
 #[test]
 fn white_furnace_by_samples() {
-    for (name, model, lossless) in models() {
+    for (name, model, lossless) in MODELS.iter() {
         for degrees in THETAS {
             let wo = direction(f64::to_radians(degrees), 0.4);
             let n = 100_000u32;
@@ -165,7 +167,7 @@ fn white_furnace_by_samples() {
             }
             let mean = sum / f64::from(n);
             println!("{name} at {degrees}: {mean:.4}, largest weight {largest:.2}");
-            assert!(!lossless || (mean - 1.0).abs() < 0.01, "{name} at {degrees}: {mean}");
+            assert!(!*lossless || (mean - 1.0).abs() < 0.01, "{name} at {degrees}: {mean}");
             assert!(largest < 12.0, "{name} at {degrees}: a weight of {largest}");
         }
     }
@@ -174,7 +176,7 @@ fn white_furnace_by_samples() {
 #[test]
 fn samples_have_the_mean_of_the_quadrature() {
     let tint = Vec3::new(0.7, 0.4, 0.2);
-    for (name, model, _) in models() {
+    for (name, model, _) in MODELS.iter() {
         for (degrees, h) in [(20.0, 0.3f32), (-60.0, -0.8), (80.0, 0.6)] {
             let hit = hit(tint, h);
             let wo = direction(f64::to_radians(degrees), -1.0);
@@ -198,7 +200,7 @@ fn samples_have_the_mean_of_the_quadrature() {
 
 #[test]
 fn densities_integrate_to_one() {
-    for (name, model, _) in models() {
+    for (name, model, _) in MODELS.iter() {
         for degrees in THETAS {
             let hit = hit(Vec3::new(0.8, 0.5, 0.3), 0.4);
             let wo = direction(f64::to_radians(degrees), 0.0);
@@ -267,9 +269,9 @@ fn chi_square(model: &Fibre, other: &Fibre, degrees: f64, h: f32) -> f64 {
 
 #[test]
 fn samples_follow_their_density() {
-    for (name, model, _) in models() {
+    for (name, model, _) in MODELS.iter() {
         for (degrees, h) in [(10.0, 0.2f32), (-50.0, -0.7), (78.0, 0.5)] {
-            let above = chi_square(&model, &model, degrees, h);
+            let above = chi_square(model, model, degrees, h);
             println!("{name} at {degrees}: chi square {above:.2} deviations above its mean");
             assert!(above < 4.5, "{name} at {degrees}: {above}");
         }
@@ -280,7 +282,7 @@ fn samples_follow_their_density() {
 fn a_slightly_wrong_density_is_noticed() {
     let off = |tilt: f32| Fibre::Chiang(Chiang::new([0.3; 2], tilt.to_radians(), 1.55, None));
     assert!(chi_square(&off(2.0), &off(2.5), 10.0, 0.2) > 5.0);
-    let wider = Fibre::Sadeghi(Sadeghi { width: [7.5f32, 6.3, 15.0].map(f32::to_radians), ..sadeghi() });
+    let wider = Fibre::Sadeghi(Sadeghi { width: [7.5f32, 7.5, 15.0].map(f32::to_radians), ..sadeghi() });
     assert!(chi_square(&Fibre::Sadeghi(sadeghi()), &wider, 10.0, 0.0) > 5.0);
     let diffuse = |d: f32| Fibre::KajiyaKay(KajiyaKay::new(d, 0.4, 12.0));
     assert!(chi_square(&diffuse(0.6), &diffuse(0.65), 10.0, 0.0) > 5.0);
@@ -302,8 +304,8 @@ fn exchange(model: &Fibre) -> f32 {
 
 #[test]
 fn light_and_eye_can_be_exchanged_where_models_say_so() {
-    for (name, model, _) in models() {
-        let worst = exchange(&model);
+    for (name, model, _) in MODELS.iter() {
+        let worst = exchange(model);
         println!("{name}: {worst:.5}");
         let reciprocal = name == "kajiya_kay" || name.starts_with("sadeghi");
         assert!(!reciprocal || worst < 1e-3, "{name}: {worst}");
@@ -431,15 +433,15 @@ fn scattered_light_goes_where_the_medium_sends_it() {
 }
 
 /// The models that have tables.
-fn thick() -> Vec<(String, Fibre)> {
-    models().into_iter().filter(|(_, m, _)| m.is_near_field()).map(|(name, m, _)| (name, m)).collect()
+fn thick() -> impl Iterator<Item = (&'static String, &'static Fibre)> {
+    MODELS.iter().filter(|(_, m, _)| m.is_near_field()).map(|(name, m, _)| (name, m))
 }
 
 #[test]
 fn tables_are_the_far_field() {
     for (name, model) in thick() {
         let started = std::time::Instant::now();
-        let table = FarTable::new(&model).unwrap();
+        let table = FarTable::new(model).unwrap();
         let seconds = started.elapsed().as_secs_f32();
         assert!(table.values.len() * 8 <= 2 << 20, "{name}: {} bytes", table.values.len() * 8);
         let mut worst = 0f32;
@@ -459,7 +461,7 @@ fn tables_are_the_far_field() {
                 })
                 .fold(Vec3::ZERO, Vec3::max);
             let (a, hit) = at(c * PI as f32);
-            let off = (table.scatter(&model, &a, tint) - model.scatter_far(&hit, &a)).abs() / peak;
+            let off = (table.scatter(model, &a, tint) - model.scatter_far(&hit, &a)).abs() / peak;
             worst = worst.max(off.max_element());
         }
         println!(
@@ -473,13 +475,13 @@ fn tables_are_the_far_field() {
 
 #[test]
 fn halves_of_the_directions_sum_to_the_albedo() {
-    for (name, model, lossless) in models() {
-        let albedos = Albedos::new(&model);
+    for (name, model, lossless) in MODELS.iter() {
+        let albedos = Albedos::new(model);
         for degrees in [0.0f32, 40.0, -70.0] {
             let white = albedos.hemispherical(degrees.to_radians(), Vec3::ONE);
             let whole = white.forward.albedo + white.backward.albedo;
             println!("{name} at {degrees}: forward {:?}, backward {:?}", white.forward, white.backward);
-            assert!(!lossless || (whole - 1.0).abs().max_element() < 0.01, "{name} at {degrees}: {whole}");
+            assert!(!*lossless || (whole - 1.0).abs().max_element() < 0.01, "{name} at {degrees}: {whole}");
             let tint = Vec3::new(0.8, 0.4, 0.1);
             let half = albedos.hemispherical(degrees.to_radians(), tint);
             let wanted = integrate(f64::from(degrees).to_radians(), [256, 128], |a| {

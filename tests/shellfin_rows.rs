@@ -93,6 +93,15 @@ fn rows_along_the_groom_are_those_of_the_twin() {
 }
 
 #[test]
+fn rows_of_other_models_are_those_of_the_twin() {
+    let text = "comb = [0, 0.3, 0]\n[guard.fibre]\nmodel = 'chiang'\n[undercoat.fibre]\nmodel = 'medulla'";
+    let Some(pairs) = both(text, BakeSource::Hybrid, |_| ()) else { return };
+    let worst = differences(&pairs);
+    println!("{worst:?}");
+    assert!(worst[2] < 0.02 && worst[3] < 0.02, "{worst:?}");
+}
+
+#[test]
 fn brushed_rows_under_a_table_are_those_of_the_twin() {
     let text = "lighting = 'table'\ncomb = [0.2, 0, 0]\nbrushes = [{ center = [1, 0, 0], radius = 1.2, direction = [0, 0.8, 0] }]\n\
         length = { map = 'vertex_color', value = 0.7 }";

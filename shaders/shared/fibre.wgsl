@@ -59,7 +59,7 @@ fn bessel_i0e(x: f32) -> f32 {
     return select(high, low, x < 3.75);
 }
 
-// Longitudinal function; `i` and `o` are sine and cosine of the inclinations. [dEon2011]
+// Longitudinal function; `i` and `o` are sine and cosine of the inclinations. [DEon2011]
 fn longitudinal(i: vec2f, o: vec2f, v: f32) -> f32 {
     let product = i.y * o.y;
     return exp((product - i.x * o.x - 1.0) / v) * bessel_i0e(product / v) / (v * (1.0 - exp(-2.0 / v)));
@@ -98,7 +98,8 @@ fn scatter_table(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, nea
         let quotient = log(clamp(tint, vec3f(1e-3), vec3f(1.0))) / fibre.divisor;
         sigma = quotient * quotient;
     }
-    let through = exp(-sigma) * f32(layers - 1u);
+    // By what a way of one diameter lets through.
+    let through = exp(-2.0 * sigma) * f32(layers - 1u);
     var color = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
         let layer = min(u32(through[c]), layers - 2u);

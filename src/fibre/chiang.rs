@@ -46,6 +46,7 @@ pub struct Chiang {
     pub variance: [f32; 4],
     /// Azimuthal scale.
     pub scale: f32,
+    around: Logistic,
     /// Turn of theta_o by the tilt of the scales, radians.
     pub shift: [f32; 4],
     /// Absorption.
@@ -71,6 +72,7 @@ impl Chiang {
             ior,
             variance: [v, 0.25 * v, 4.0 * v, 4.0 * v],
             scale,
+            around: Logistic::turn(scale),
             shift: [-2.0 * tilt, tilt, 4.0 * tilt, 0.0],
             absorption: absorption.map_or_else(|| Absorption::by_color(around), Absorption::Fixed),
         }
@@ -106,8 +108,7 @@ impl Chiang {
 
     /// Azimuthal functions at `phi` = phi_i - phi_o.
     fn azimuthal(&self, within: &Within, phi: f32) -> [f32; 4] {
-        let lobe = Logistic::turn(self.scale);
-        let at = |p: f32| lobe.pdf(wrap(phi - exit(p, within.gamma_o, within.gamma_t)));
+        let at = |p: f32| self.around.pdf(wrap(phi - exit(p, within.gamma_o, within.gamma_t)));
         [at(0.0), at(1.0), at(2.0), 1.0 / TAU]
     }
 
@@ -142,9 +143,7 @@ impl Chiang {
         let sin = sample_longitudinal(self.turned(p, o), self.variance[p], [u[2], u[3]]);
         let phi = match p {
             3 => TAU * u[1] - PI,
-            _ => {
-                wrap(exit(p as f32, within.gamma_o, within.gamma_t) + Logistic::turn(self.scale).sample(u[1]))
-            }
+            _ => wrap(exit(p as f32, within.gamma_o, within.gamma_t) + self.around.sample(u[1])),
         };
         (sin, phi)
     }

@@ -26,7 +26,7 @@ pub fn bessel_i0e(x: f32) -> f32 {
 
 /// Longitudinal function of variance `v`: its integral times cos over the inclination is 1 for every inclination of the eye.
 /// `i` and `o` are sine and cosine of the inclinations.
-// [dEon2011], in a form that does not overflow: I0 and sinh without their growth
+// [DEon2011], in a form that does not overflow: I0 and sinh without their growth
 pub fn longitudinal(i: [f32; 2], o: [f32; 2], v: f32) -> f32 {
     let product = i[1] * o[1];
     let exponent = (product - i[0] * o[0] - 1.0) / v;

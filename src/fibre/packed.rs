@@ -57,8 +57,8 @@ impl Fibre {
             let texels = rows.iter().map(|[r, tt, trt]| [*r, *tt, *trt, 0.0]).collect();
             return ([rows.len() as u32, 1, 1], texels);
         }
-        match FarTable::new(self) {
-            Some(table) => ([table.phis, table.thetas, table.layers].map(|n| n as u32), table.values),
+        match FarTable::shared(self) {
+            Some(table) => ([table.phis, table.thetas, table.layers].map(|n| n as u32), table.values.clone()),
             None => ([1; 3], vec![[0.0; 4]]),
         }
     }

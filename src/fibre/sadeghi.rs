@@ -56,7 +56,7 @@ impl Sadeghi {
         let azimuth = [
             4.0,
             quadrature(-PI, PI, 512, |x| unit_gaussian(x, self.azimuth_tt)),
-            4.0 + self.glint * quadrature(-PI, PI, 512, |x| unit_gaussian(x, self.glint_width)),
+            4.0 + 2.0 * self.glint * quadrature(-PI, PI, 512, |x| unit_gaussian(x, self.glint_width)),
         ];
         [0, 1, 2].map(|lobe| {
             let along = quadrature(-FRAC_PI_2, FRAC_PI_2, 1024, |theta_i| {

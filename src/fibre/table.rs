@@ -5,6 +5,7 @@ use super::{Absorption, Angles, Fibre, inclination, offsets};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
+use std::sync::{Arc, Mutex};
 
 /// Azimuthal functions of R, TT, TRT and the rest.
 #[derive(Debug, Clone, PartialEq)]
@@ -13,7 +14,7 @@ pub struct FarTable {
     pub phis: usize,
     /// Inclinations of the eye, 0 to pi/2.
     pub thetas: usize,
-    /// Absorptions: what a way of one radius lets through, 0 to 1; then, for fibres with a medulla, one layer more: the longitudinal
+    /// Absorptions: what a way of one diameter lets through, 0 to 1; then, for fibres with a medulla, one layer more: the longitudinal
     /// density of scattered light by the sine of the light's inclination (-1 to 1) in place of the azimuth.
     pub layers: usize,
     /// By layer, inclination, azimuth.
@@ -24,6 +25,26 @@ pub struct FarTable {
 const OFFSETS: u32 = 256;
 
 impl FarTable {
+    /// [`FarTable::new`], kept while the program runs: frames of an animation have the same hairs.
+    pub fn shared(fibre: &Fibre) -> Option<Arc<Self>> {
+        static MADE: Mutex<Vec<(Fibre, Arc<FarTable>)>> = Mutex::new(Vec::new());
+        const MOST: usize = 8;
+        if !fibre.is_near_field() {
+            return None;
+        }
+        let made = || MADE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some((_, table)) = made().iter().find(|(of, _)| of == fibre) {
+            return Some(table.clone());
+        }
+        let table = Arc::new(Self::new(fibre)?);
+        let mut made = made();
+        if made.len() >= MOST {
+            made.remove(0);
+        }
+        made.push((fibre.clone(), table.clone()));
+        Some(table)
+    }
+
     /// Of a model that depends on the offset; `None` for the others.
     pub fn new(fibre: &Fibre) -> Option<Self> {
         let width = match fibre {
@@ -32,8 +53,8 @@ impl FarTable {
             _ => return None,
         };
         // Two MiB as halves at the most.
-        let [phis, thetas, layers] = if width < 0.12 { [256, 60, 16] } else { [128, 48, 24] };
-        let radius: Vec<f32> = (0..layers).map(|k| k as f32 / (layers - 1) as f32).collect();
+        let [phis, thetas, layers] = if width < 0.12 { [256, 78, 12] } else { [128, 64, 16] };
+        let radius: Vec<f32> = (0..layers).map(|k| (k as f32 / (layers - 1) as f32).sqrt()).collect();
         let rows: Vec<Vec<[f32; 4]>> = (0..thetas)
             .into_par_iter()
             .map(|row| {
@@ -73,14 +94,14 @@ impl FarTable {
         self.layers - usize::from(matches!(fibre, Fibre::Medulla(_)))
     }
 
-    /// The four functions for a transmittance of one radius; `k` counts azimuths, `theta` is the eye's inclination.
-    fn at(&self, absorptions: usize, radius: f32, theta: f32, k: usize) -> [f32; 4] {
+    /// The four functions for the transmittance of one diameter; `k` counts azimuths, `theta` is the eye's inclination.
+    fn at(&self, absorptions: usize, through: f32, theta: f32, k: usize) -> [f32; 4] {
         let split = |x: f32, n: usize| {
             let x = x.clamp(0.0, 1.0) * (n - 1) as f32;
             let low = (x as usize).min(n - 2);
             (low, x - low as f32)
         };
-        let (l, lw) = split(radius, absorptions);
+        let (l, lw) = split(through, absorptions);
         let (t, tw) = split(theta.abs() / FRAC_PI_2, self.thetas);
         let value = |l: usize, t: usize, p: usize| self.values[(l * self.thetas + t) * self.phis + k][p];
         std::array::from_fn(|p| {
@@ -102,11 +123,11 @@ impl FarTable {
         let x = (a.phi.abs() / PI).clamp(0.0, 1.0) * (self.phis - 1) as f32;
         let k = (x as usize).min(self.phis - 2);
         let absorptions = self.absorptions(fibre);
-        let value = |radius: f32| -> f32 {
-            let [low, high] = [k, k + 1].map(|k| self.at(absorptions, radius, theta, k));
+        let value = |through: f32| -> f32 {
+            let [low, high] = [k, k + 1].map(|k| self.at(absorptions, through, theta, k));
             (0..4).map(|p| (low[p] + (high[p] - low[p]) * (x - k as f32)) * along[p]).sum()
         };
-        Vec3::from((-absorption.of(tint)).to_array().map(|sigma| value(sigma.exp())))
+        Vec3::from((-2.0 * absorption.of(tint)).to_array().map(|x| value(x.exp())))
     }
 }
 
@@ -155,13 +176,13 @@ const STEPS: [usize; 2] = [256, 128];
 /// Directional albedos and lobes of a far field by halves; made once for a fibre, asked for many inclinations and colours.
 pub struct Albedos<'a> {
     fibre: &'a Fibre,
-    table: Option<FarTable>,
+    table: Option<Arc<FarTable>>,
 }
 
 impl<'a> Albedos<'a> {
     /// With the fibre's table, where it has one.
     pub fn new(fibre: &'a Fibre) -> Self {
-        Self { fibre, table: FarTable::new(fibre) }
+        Self { fibre, table: FarTable::shared(fibre) }
     }
 
     /// Integrals of f cos over the directions of the other side, for an inclination `theta` (radians) of one side. Lossless models
@@ -177,7 +198,7 @@ impl<'a> Albedos<'a> {
 
     fn by_table(&self, theta: f32, absorption: &Absorption, tint: Vec3, table: &FarTable) -> Hemispheres {
         let o = [theta.sin(), theta.cos().max(0.0)];
-        let radius = (-absorption.of(tint)).to_array().map(f32::exp);
+        let through = (-2.0 * absorption.of(tint)).to_array().map(f32::exp);
         let absorptions = table.absorptions(self.fibre);
         let along = |i: [f32; 2], phi: f32| {
             let a = Angles { i, o, phi };
@@ -214,7 +235,7 @@ impl<'a> Albedos<'a> {
             if turns {
                 of_phi[0] = moments(phi)[0];
             }
-            let [r, g, b] = radius.map(|radius| table.at(absorptions, radius, theta, k));
+            let [r, g, b] = through.map(|through| table.at(absorptions, through, theta, k));
             let half = &mut halves[usize::from(phi <= FRAC_PI_2)].0;
             for p in 0..4 {
                 let value = Vec3::new(r[p], g[p], b[p]) * weight;
