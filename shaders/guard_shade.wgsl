@@ -9,7 +9,7 @@ struct Batch {
 @group(0) @binding(2) var<uniform> fur: Fur;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
-@group(0) @binding(5) var<uniform> fibre: Fibre;
+@group(0) @binding(5) var<uniform> guard_fibre: Fibre;
 @group(0) @binding(6) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(7) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(8) var<storage, read> prisms: array<Prism>;
@@ -18,6 +18,8 @@ struct Batch {
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
+@group(0) @binding(22) var table_sampler: sampler;
+@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -30,6 +32,9 @@ struct Batch {
 #import shared/roots
 #import shared/strands
 #import shared/fibre
+
+// The model, fixed when the kernel is compiled.
+override GUARD_MODEL: u32 = 1u;
 
 // Optical depth towards a light (or the eye) in a lattice cell.
 fn cell_tau(cell: LatticeCell, light: u32) -> f32 {
@@ -102,7 +107,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 through = exp(-cell_tau(cell, j) * (1.0 - fur.forward_scattering * tint));
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_fibre(fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, tangent, lights.lights[j].direction, view, tint, glint_angle);
         }
         if groom.paper == 1u {
             // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.

@@ -9,6 +9,9 @@
 @group(0) @binding(6) var<storage, read> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
+@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
+@group(0) @binding(22) var table_sampler: sampler;
 
 #import shared/frame
 #import shared/index
@@ -20,6 +23,8 @@
 #import shared/column_place
 #import shared/lights
 #import shared/record
+#import shared/fibre
+#import shared/coat
 
 fn tau_of(node: u32, light: u32) -> f32 {
     return unpack2x16float(tau[node * tau_pairs() + light / 2u])[light & 1u];
@@ -53,7 +58,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             key_tau.y = depth;
         } else if lights.lights[j].undercoat == 1u {
             ambient += lights.lights[j].irradiance * exp(-depth * attenuation)
-                * kajiya_kay(tangent, lights.lights[j].direction, view);
+                * scatter_coat(tangent, lights.lights[j].direction, view, albedo);
         }
     }
     let log_ambient = log2(max(ambient, vec3f(1e-7)));

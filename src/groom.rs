@@ -1,6 +1,7 @@
 //! The groom as the passes read it: scene values in the units and structs of the shaders.
 
-use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
+use crate::fibre::Fibre;
+use crate::layout::{Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
 use crate::scene::{Blend, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
 use crate::{Result, World};
@@ -21,8 +22,10 @@ pub struct PackedGroom {
     pub texels: Vec<[u32; 2]>,
     /// Undercoat; the lattice and storage fields are set by the renderer.
     pub fur: Fur,
-    /// Guard hair scattering.
-    pub fibre: Fibre,
+    /// Scattering of guard hairs.
+    pub guard_fibre: Fibre,
+    /// Scattering of the undercoat.
+    pub coat_fibre: Fibre,
     /// The noise tables.
     pub noise: Noise,
     /// All lights, padded to the uniform's length.
@@ -124,9 +127,6 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         light_step: (1.5 * free_path).clamp(height / 32.0, height / 8.0),
         height,
         lean: (comb * coat.lean).into(),
-        diffuse: coat.diffuse,
-        specular: coat.specular,
-        specular_exponent: coat.specular_exponent,
         forward_scattering: if paper { 0.0 } else { coat.forward_scattering },
         isotropic: u32::from(paper),
         lattice: 1,
@@ -144,28 +144,18 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
+        padding: 0,
         key_lights: [u32::MAX; 2],
-        padding: [0; 2],
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
-    };
-    let f = &guard.fibre;
-    let fibre = Fibre {
-        intensity: f.intensity,
-        diffuse: f.diffuse,
-        shift: f.shift.map(f32::to_radians),
-        azimuth_tt: f.azimuth_tt.to_radians(),
-        width: f.width.map(f32::to_radians),
-        glint: f.glint[0],
-        glint_width: f.glint[1].to_radians(),
-        padding: [0.0; 3],
     };
     let (fur, lights) = pack_lights(world, fur);
     Ok(PackedGroom {
         groom,
         texels: maps.finish(),
         fur,
-        fibre,
+        guard_fibre: Fibre::guard(scene),
+        coat_fibre: Fibre::undercoat(scene),
         noise: noise_tables(scene.render.seed),
         lights,
     })

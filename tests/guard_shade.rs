@@ -9,6 +9,7 @@ mod worlds;
 
 use glam::Vec3;
 use lit::Lit;
+use pelage::fibre::Fibre;
 use pelage::layout::Root;
 use pelage::reference::film::halves;
 use pelage::reference::guard_shade::{HIDDEN, shade};
@@ -25,8 +26,10 @@ fn agreement(edit: impl FnOnce(&mut Scene), fibre_factor: f32) -> f64 {
     let vertices = lit.fixture.strand_vertices();
     let shades: Vec<[u32; 2]> = lit.fixture.read("shades", count * (segments + 1));
     let (light, maps) = (lit.lattice(), lit.fixture.maps());
-    let mut fibre = lit.fixture.packed.fibre;
-    fibre.width[0] *= fibre_factor;
+    let mut fibre = lit.fixture.packed.guard_fibre.clone();
+    if let Fibre::Sadeghi(model) = &mut fibre {
+        model.width[0] *= fibre_factor;
+    }
     let (mut good, mut lit_up, mut hidden) = (0, 0, 0);
     for (i, root) in roots.iter().enumerate() {
         let range = i * (segments + 1)..(i + 1) * (segments + 1);

@@ -18,8 +18,8 @@ fn inside(case: &Case, p: DVec3) -> bool {
     let (start, end) = (case.start.as_dvec3(), case.end.as_dvec3());
     let axis = (end - start).normalize();
     let along = (p - start).dot(axis);
-    let radius = f64::from(case.radii[0])
-        + f64::from(case.radii[1] - case.radii[0]) * along / (end - start).length();
+    let radius =
+        f64::from(case.radii[0]) + f64::from(case.radii[1] - case.radii[0]) * along / (end - start).length();
     radius > 0.0
         && (p - start - along * axis).length() < radius
         && (p - start).dot(case.normals[0].as_dvec3()) > 0.0
@@ -81,7 +81,8 @@ fn disagreements(n: u32, wrong: f32) -> (u32, u32) {
         hits += u32::from(expected.is_some());
         let agree = match (expected, found) {
             (Some(e), Some(f)) => {
-                (e[0] - f[0].max(range[0])).abs() < 1.01 * step && (e[1] - f[1].min(range[1])).abs() < 1.01 * step
+                (e[0] - f[0].max(range[0])).abs() < 1.01 * step
+                    && (e[1] - f[1].min(range[1])).abs() < 1.01 * step
             }
             (None, Some(f)) => f[1] - f[0] < 1.01 * step,
             (Some(e), None) => e[1] - e[0] < 0.01 * step,

@@ -28,7 +28,7 @@ fn world() -> World {
 fn coats() -> Vec<(Strands, Fibre)> {
     let coat = |layer, count, radius, seed| {
         let color = Vec3::new(0.9, 0.6, 0.3);
-        (strands(layer, 6, coat(count, 0.8, 0.6, radius, 0.4, 6, seed), color), Fibre::Diffuse)
+        (strands(layer, 6, coat(count, 0.8, 0.6, radius, 0.4, 6, seed), color), diffuse())
     };
     vec![coat(Layer::Guard, 40, 0.012, 1), coat(Layer::Undercoat, 400, 0.004, 2)]
 }
@@ -61,7 +61,8 @@ fn parts_add_up() {
     let world = world();
     let film = outcome(&world, &options(Integrator::Path, LightModel::Map, 8)).film;
     for c in ["R", "G", "B"] {
-        let parts: f64 = ["guard", "undercoat", "base"].iter().map(|l| mean(&film, &format!("{l}.{c}"))).sum();
+        let parts: f64 =
+            ["guard", "undercoat", "base"].iter().map(|l| mean(&film, &format!("{l}.{c}"))).sum();
         assert!((parts - mean(&film, c)).abs() < 1e-5, "{c}");
     }
     assert!(mean(&film, "guard.R") > 0.0 && mean(&film, "undercoat.R") > 0.0);

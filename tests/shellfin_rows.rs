@@ -6,8 +6,9 @@ mod gpu;
 mod shellfins;
 
 use glam::Vec3;
+use pelage::fibre::Fibre;
 use pelage::groom;
-use pelage::layout::{Brush, Fibre};
+use pelage::layout::Brush;
 use pelage::reference::groom::Maps;
 use pelage::reference::lattice::tau_pairs;
 use pelage::reference::shellfin_rows::{Hair, RowVertex, unpack};
@@ -38,7 +39,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
         .iter()
         .map(|b| Brush { center: b.center, radius: b.radius, direction: b.direction, padding: 0 })
         .collect();
-    let mut fibre = packed.fibre;
+    let mut fibre = packed.guard_fibre.clone();
     disturb(&mut fibre);
     let hair = Hair {
         shellfin: &fur.rows.shellfin,
@@ -46,6 +47,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
         maps: Maps { groom: &packed.groom, texels: &packed.texels },
         lights: &packed.lights,
         fibre: &fibre,
+        coat: &packed.coat_fibre,
         table: &shells.table,
         vertices: &vertices,
         uv: &uv,
@@ -104,7 +106,13 @@ fn brushed_rows_under_a_table_are_those_of_the_twin() {
 
 #[test]
 fn another_fibre_is_noticed() {
-    let Some(pairs) = both("", BakeSource::Hybrid, |f| f.width[0] *= 1.3) else { return };
+    let Some(pairs) = both("", BakeSource::Hybrid, |f| {
+        if let Fibre::Sadeghi(model) = f {
+            model.width[0] *= 1.3;
+        }
+    }) else {
+        return;
+    };
     assert!(differences(&pairs)[3] > 0.01);
 }
 

@@ -22,7 +22,7 @@ fn source_and_skin_agree_with_the_twin() {
             // Two key lights and two that are summed.
             s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
             s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
-            s.undercoat.specular = 0.4;
+            s.undercoat.fibre.specular = 0.4;
             s.undercoat.lean = 0.5;
             s.guard.comb_direction = [1.0, 0.0, 0.0];
         }),

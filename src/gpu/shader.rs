@@ -32,6 +32,7 @@ sources![
     "undercoat_source",
     "shared/base",
     "shared/clumps",
+    "shared/coat",
     "shared/column",
     "shared/column_place",
     "shared/coverage",

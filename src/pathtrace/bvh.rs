@@ -45,10 +45,11 @@ struct Node {
     children: [u32; 4],
 }
 
-/// Bytes that the hierarchy takes for a part, and the most while it is built, by measurement with tests/pathtrace_memory.rs.
-pub const BYTES_A_PART: u64 = 44;
-/// See [`BYTES_A_PART`].
-pub const BUILD_BYTES_A_PART: u64 = 24;
+/// Bytes a part that the hierarchy takes at most, while it is built; by measurement with tests/pathtrace_memory.rs.
+pub const BYTES_A_PART: u64 = 128;
+
+/// Bytes that the builder needs for the chunks in work and the threads' stacks.
+pub const BYTES_MORE: u64 = 32 << 20;
 
 /// The hierarchy.
 #[derive(Debug, Clone, Default)]
@@ -211,7 +212,13 @@ impl Bvh {
     /// Shows `visit` all things that a ray may meet before `limit`, near ones first as far as boxes tell; it returns the new
     /// limit. A negative one ends the walk.
     #[inline]
-    pub fn walk(&self, ray: &Ray, limit: f32, stack: &mut Stack, mut visit: impl FnMut(u32, f32) -> f32) -> f32 {
+    pub fn walk(
+        &self,
+        ray: &Ray,
+        limit: f32,
+        stack: &mut Stack,
+        mut visit: impl FnMut(u32, f32) -> f32,
+    ) -> f32 {
         let mut limit = limit;
         if self.nodes.is_empty() {
             return limit;
@@ -312,9 +319,8 @@ fn fold(tree: &Bvh2, nodes: &mut Vec<Node>, leaf: impl Fn(u32) -> u32) -> Aabb {
         let mut members = [pair, pair + 1, 0, 0];
         let mut count = 2;
         while count < 4 {
-            let largest = (0..count)
-                .filter(|k| !tree.nodes[members[*k] as usize].is_leaf())
-                .max_by(|a, b| {
+            let largest =
+                (0..count).filter(|k| !tree.nodes[members[*k] as usize].is_leaf()).max_by(|a, b| {
                     let area = |k: &usize| tree.nodes[members[*k] as usize].aabb().half_area();
                     area(a).total_cmp(&area(b))
                 });

@@ -46,8 +46,9 @@ impl Taps {
         let kind = scene.film.filter;
         let radius = scene.film.filter_radius.unwrap_or_else(|| filter::usual_radius(kind));
         let width = 2.0 * f64::from(radius) / STEPS as f64;
-        let value =
-            |i: usize| filter::weight_1d(kind, f64::from(radius), (i as f64 + 0.5) * width - f64::from(radius));
+        let value = |i: usize| {
+            filter::weight_1d(kind, f64::from(radius), (i as f64 + 0.5) * width - f64::from(radius))
+        };
         let values: Vec<f64> = (0..STEPS).map(value).collect();
         let whole: f64 = values.iter().sum();
         let absolute: f64 = values.iter().map(|v| v.abs()).sum();

@@ -11,9 +11,28 @@ pub type Means = [f32; STATE.len()];
 /// The planes that are kept: radiance and alpha of both halves, the parts by what was hit first, the skin's normal, alpha times
 /// depth (cm), the square of the luminance.
 pub const STATE: [&str; 22] = [
-    "half0.R", "half0.G", "half0.B", "half0.A", "half1.R", "half1.G", "half1.B", "half1.A", "guard.R", "guard.G",
-    "guard.B", "undercoat.R", "undercoat.G", "undercoat.B", "base.R", "base.G", "base.B", "N.X", "N.Y", "N.Z",
-    "depth.premultiplied", "luminance.square",
+    "half0.R",
+    "half0.G",
+    "half0.B",
+    "half0.A",
+    "half1.R",
+    "half1.G",
+    "half1.B",
+    "half1.A",
+    "guard.R",
+    "guard.G",
+    "guard.B",
+    "undercoat.R",
+    "undercoat.G",
+    "undercoat.B",
+    "base.R",
+    "base.G",
+    "base.B",
+    "N.X",
+    "N.Y",
+    "N.Z",
+    "depth.premultiplied",
+    "luminance.square",
 ];
 
 /// The means of all pixels, and how many samples are in them.

@@ -238,10 +238,12 @@ mod tests {
             let (radiance, pdf) = sky.look(s.direction);
             let near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * a.max(b);
             // Rounding moves a direction at a texel's edge to its neighbour.
-            let at_edge = s.pdf != pdf && [1e-4, -1e-4].iter().any(|d| {
-                let beside = [Vec3::X, Vec3::Y, Vec3::Z].map(|a| sky.look((s.direction + *d * a).normalize()).1);
-                beside.iter().any(|p| near(*p, s.pdf))
-            });
+            let at_edge = s.pdf != pdf
+                && [1e-4, -1e-4].iter().any(|d| {
+                    let beside =
+                        [Vec3::X, Vec3::Y, Vec3::Z].map(|a| sky.look((s.direction + *d * a).normalize()).1);
+                    beside.iter().any(|p| near(*p, s.pdf))
+                });
             assert!(at_edge || (near(pdf, s.pdf) && (radiance - s.radiance).length() < 1e-4), "{i}");
         }
     }

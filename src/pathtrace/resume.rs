@@ -23,7 +23,8 @@ impl Identity {
     pub fn new(world: &World, options: &Options<'_>) -> Self {
         let mut scene = world.scene.clone();
         let plain = crate::Scene::default();
-        scene.render = crate::scene::RenderSpec { fur: scene.render.fur, seed: scene.render.seed, ..plain.render };
+        scene.render =
+            crate::scene::RenderSpec { fur: scene.render.fur, seed: scene.render.seed, ..plain.render };
         scene.film = crate::scene::FilmSpec {
             width: scene.film.width,
             height: scene.film.height,
@@ -32,9 +33,8 @@ impl Identity {
             ..plain.film
         };
         let metadata = Metadata::of_program().with_scene(&toml::to_string(&scene).unwrap_or_default());
-        let word = |w: Option<clap::builder::PossibleValue>| {
-            w.map(|w| w.get_name().to_owned()).unwrap_or_default()
-        };
+        let word =
+            |w: Option<clap::builder::PossibleValue>| w.map(|w| w.get_name().to_owned()).unwrap_or_default();
         let patch = options.grow.patch.map_or("all".to_owned(), |p| format!("{:?} {:?}", p.centre, p.radius));
         let entries = vec![
             ("version", metadata.get("version").unwrap_or_default().to_owned()),
@@ -90,7 +90,8 @@ impl Identity {
                 film.width, film.height, size[0], size[1]
             )));
         }
-        Accumulator::from_film(&film, samples.unwrap_or(0))
-            .ok_or_else(|| refuse("the file lacks planes such as half0.R; it is no image of a reference".into()))
+        Accumulator::from_film(&film, samples.unwrap_or(0)).ok_or_else(|| {
+            refuse("the file lacks planes such as half0.R; it is no image of a reference".into())
+        })
     }
 }

@@ -1,13 +1,13 @@
 //! Twin of `shaders/guard_shade.wgsl`: shading of the guard hairs at their vertices.
 
-use super::fibre::scatter;
 use super::groom::{Maps, Parameter, skin_point};
 use super::hash::random;
 use super::lattice::{cell, node_index};
 use super::shell::Located;
 use super::strands::{position, tangent};
 use super::undercoat_source::Lattice;
-use crate::layout::{Fibre, Root};
+use crate::fibre::{Angles, Fibre, Hit};
+use crate::layout::Root;
 use glam::Vec3;
 
 /// Optical depth to the eye behind which a vertex is not shaded.
@@ -66,7 +66,10 @@ pub fn shade(
                 0 => (-tau(j) * (1.0 - fur.forward_scattering * tint)).exp(),
                 _ => Vec3::ONE,
             };
-            let scattered = scatter(fibre, along, Vec3::from(l.direction), view, tint, glint_angle);
+            let scattered = fibre.scatter_far(
+                &Hit { tint, glint_angle, h: 0.0 },
+                &Angles::around(along, Vec3::from(l.direction), view),
+            );
             radiance += Vec3::from(l.irradiance) * through * scattered;
         }
         if groom.paper == 1 {

@@ -4,6 +4,8 @@ use super::hash::{hash2, random, random_direction};
 use super::noise::Field;
 use super::octahedral;
 use super::shell::{Place, Shell, subelement, subelement_centroid};
+use crate::fibre::table::MEAN_GLINT;
+use crate::fibre::{Angles, Fibre, Hit};
 use crate::layout::Fur;
 use glam::{Vec2, Vec3};
 
@@ -47,17 +49,19 @@ pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
     fur.extinction * m.density * shown
 }
 
-/// Scattering of light from `l` to `v` (both leave the point), per albedo; times the irradiance.
-/// The diffuse term is lossless at 1/pi^2, the specular term sits on the mirror cone T.V = -T.L.
-pub fn kajiya_kay(fur: &Fur, tangent: Vec3, l: Vec3, v: Vec3) -> f32 {
-    use std::f32::consts::{PI, TAU};
-    let sin_l = sine(tangent, l);
-    let mut value = fur.diffuse / (PI * PI) * sin_l;
-    if fur.specular > 0.0 {
-        let mirror = sin_l * sine(tangent, v) - tangent.dot(l) * tangent.dot(v);
-        value += fur.specular * mirror.max(0.0).powf(fur.specular_exponent) / TAU;
+/// Scattering of light from `l` to `v` (both leave the point) by a hair of colour `tint`; times the irradiance. Kajiya-Kay's is
+/// without the colour, see [`color`].
+pub fn scatter(coat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
+    let angles = Angles::around(tangent, l, v);
+    match coat {
+        Fibre::KajiyaKay(model) => Vec3::splat(model.scatter(&angles)),
+        _ => coat.scatter_far(&Hit { tint, glint_angle: MEAN_GLINT, h: 0.0 }, &angles),
     }
-    value
+}
+
+/// Factor on what [`scatter`] gives.
+pub fn color(coat: &Fibre, tint: Vec3) -> Vec3 {
+    if matches!(coat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
 }
 
 /// Hermite interpolation between two edges, as in WGSL.

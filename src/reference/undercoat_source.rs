@@ -3,7 +3,8 @@
 use super::film::halves;
 use super::lattice::{node_index, tau_pairs, unpack_albedo};
 use super::shell::{Place, Shell};
-use super::undercoat::kajiya_kay;
+use super::undercoat::scatter;
+use crate::fibre::Fibre;
 use crate::layout::{Column, Frame, Fur, Light};
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
@@ -11,7 +12,7 @@ use std::f32::consts::FRAC_1_PI;
 /// Light at a node of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// log2 of the radiance by all lights that are no key lights, per albedo; at least that of 1e-7.
+    /// log2 of the radiance by all lights that are no key lights, of Kajiya-Kay per albedo; at least that of 1e-7.
     pub log_ambient: Vec3,
     /// Relative density of the undercoat.
     pub density: f32,
@@ -48,6 +49,8 @@ pub struct Lattice<'a> {
     pub tau: &'a [u32],
     /// The view.
     pub frame: &'a Frame,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
 }
 
 impl Lattice<'_> {
@@ -79,7 +82,8 @@ impl Lattice<'_> {
             if light.undercoat == 1 && !keys.contains(&j) {
                 let through = (-self.tau(node, j) * attenuation).exp();
                 let l = Vec3::from(light.direction);
-                ambient += Vec3::from(light.irradiance) * through * kajiya_kay(fur, tangent, l, view);
+                ambient +=
+                    Vec3::from(light.irradiance) * through * scatter(self.coat, tangent, l, view, albedo);
             }
         }
         let mut key_tau = [0.0; 2];

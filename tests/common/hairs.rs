@@ -35,7 +35,15 @@ pub fn straight(from: Vec3, to: Vec3, radius: f32, segments: usize) -> Vec<Vec4>
 }
 
 /// Bent, tapered hairs that grow from a square of `side` cm about the origin, `count` of them, `length` cm high.
-pub fn coat(count: u32, side: f32, length: f32, radius: f32, lean: f32, segments: usize, seed: u32) -> Vec<Vec4> {
+pub fn coat(
+    count: u32,
+    side: f32,
+    length: f32,
+    radius: f32,
+    lean: f32,
+    segments: usize,
+    seed: u32,
+) -> Vec<Vec4> {
     let mut points = Vec::new();
     for i in 0..count {
         let r = |k: u32| random(hash2(seed, i), k);
@@ -77,9 +85,14 @@ pub fn options(integrator: Integrator, lights: LightModel, samples: u32) -> Opti
     Options { integrator, lights: Some(lights), samples: Some(samples), ..Options::default() }
 }
 
+/// The diffuse term of Kajiya and Kay, lossless for a white hair.
+pub fn diffuse() -> Fibre {
+    Fibre::KajiyaKay(pelage::fibre::KajiyaKay::new(1.0, 0.0, 1.0))
+}
+
 /// Traces diffuse hairs.
 pub fn trace(world: &World, coats: Vec<Strands>, options: &Options<'_>) -> Film {
-    let coats = coats.into_iter().map(|s| (s, Fibre::Diffuse)).collect();
+    let coats = coats.into_iter().map(|s| (s, diffuse())).collect();
     pathtrace::render_coats(world, coats, options, &mut |_| Ok(())).expect("a film").film
 }
 

@@ -67,6 +67,7 @@ impl Lit {
             columns: &self.columns,
             tau: &self.tau,
             frame: &self.frame,
+            coat: &self.fixture.packed.coat_fibre,
         }
     }
 
