@@ -171,11 +171,6 @@ impl Fibre {
         Self::new(&scene.undercoat.fibre, Layer::Undercoat, scene.render.shading == Shading::Paper)
     }
 
-    /// Light scattered evenly all round, none lost by a white hair.
-    pub fn diffuse() -> Self {
-        Self::KajiyaKay(KajiyaKay::new(1.0, 0.0, 1.0))
-    }
-
     /// f(ω_i, ω_o), without the cosine, 1/sr.
     pub fn evaluate(&self, hit: &Hit, wi: Vec3, wo: Vec3) -> Vec3 {
         let a = Angles::new(wi, wo);

@@ -146,13 +146,7 @@ pub struct Outcome {
 
 /// Bytes that tracing `coats` at the scene's size takes at most.
 pub fn estimate(world: &World, coats: &[(Strands, Fibre)]) -> u64 {
-    let hair: u64 = coats
-        .iter()
-        .map(|(s, _)| {
-            let present: u64 = s.hairs.iter().map(|h| u64::from(h.present.count_ones())).sum();
-            scene::estimate(s.hairs.len() as u64, present.min(s.points.len() as u64))
-        })
-        .sum();
+    let hair: u64 = coats.iter().map(|(s, _)| scene::bytes_of(s)).sum();
     let pixels = u64::from(world.scene.film.width) * u64::from(world.scene.film.height);
     let skin = world.skin.triangles.len() as u64 * 200;
     // The means, and the film made of them with the copy that is written.
@@ -309,8 +303,8 @@ pub fn render_coats(
 /// [`Error::Usage`] where they take more than the memory allowed; as [`grow::grow`].
 pub fn coats(world: &World, options: &Options<'_>) -> Result<Vec<(Strands, Fibre)>> {
     let mut estimated = grow::estimate(world, &options.grow)?;
-    let points = estimated.guard_hairs + estimated.undercoat_hairs;
-    estimated.bytes = scene::estimate(points, estimated.segments);
+    let hairs = estimated.guard_hairs + estimated.undercoat_hairs;
+    estimated.bytes = scene::bytes(hairs, estimated.segments, scene::USUAL_PARTS * estimated.segments);
     estimated.check(options.memory)?;
     let traced = |layer: Layer| options.layers[usize::from(layer == Layer::Undercoat)];
     let grown = grow::grow(world, &options.grow)?;

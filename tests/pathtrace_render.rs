@@ -28,7 +28,7 @@ fn world() -> World {
 fn coats() -> Vec<(Strands, Fibre)> {
     let coat = |layer, count, radius, seed| {
         let color = Vec3::new(0.9, 0.6, 0.3);
-        (strands(layer, 6, coat(count, 0.8, 0.6, radius, 0.4, 6, seed), color), Fibre::diffuse())
+        (strands(layer, 6, coat(count, 0.8, 0.6, radius, 0.4, 6, seed), color), diffuse())
     };
     vec![coat(Layer::Guard, 40, 0.012, 1), coat(Layer::Undercoat, 400, 0.004, 2)]
 }

@@ -45,10 +45,11 @@ struct Node {
     children: [u32; 4],
 }
 
-/// Bytes that the hierarchy takes for a part, and the most while it is built, by measurement with tests/pathtrace_memory.rs.
-pub const BYTES_A_PART: u64 = 44;
-/// See [`BYTES_A_PART`].
-pub const BUILD_BYTES_A_PART: u64 = 24;
+/// Bytes a part that the hierarchy takes at most, while it is built; by measurement with tests/pathtrace_memory.rs.
+pub const BYTES_A_PART: u64 = 128;
+
+/// Bytes that the builder needs for the chunks in work and the threads' stacks.
+pub const BYTES_MORE: u64 = 32 << 20;
 
 /// The hierarchy.
 #[derive(Debug, Clone, Default)]

@@ -5,6 +5,7 @@
 //! square. The solid between is closed: rays along a hair meet its end. Only the taper's change at a joint leaves steps, in size
 //! the radius times the change of slope.
 
+use super::bvh::Ray;
 use glam::Vec3A;
 
 /// The cone of a segment, without its planes.
@@ -131,6 +132,16 @@ impl Cone {
         let h = -(span.near.dot(side) / radius).clamp(-1.0, 1.0);
         (along / self.length, radius, h)
     }
+}
+
+/// Whether the line of a ray surely passes beside a segment of at most `radius`: most that boxes let through.
+#[inline]
+pub fn passes(ray: &Ray, start: Vec3A, end: Vec3A, radius: f32) -> bool {
+    let common = ray.direction.cross(end - start);
+    let distance = (ray.origin - start).dot(common);
+    // Mitred ends of tapered segments are a little thicker; rounding is far below a tenth of a µm.
+    let reach = 1.05 * radius + 1e-5;
+    distance * distance > reach * reach * common.length_squared()
 }
 
 /// Second and third axis of the frame of a fibre: the second as near to `towards` as can be, so that its azimuth is 0.

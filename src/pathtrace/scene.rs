@@ -15,6 +15,7 @@ use crate::{
     },
 };
 use glam::{Vec2, Vec3, Vec3A, Vec4};
+use rayon::prelude::*;
 
 /// Hairs of a layer, without their points.
 #[derive(Debug, Clone)]
@@ -224,7 +225,11 @@ impl Geometry {
         word: u32,
         limit: f32,
     ) -> Option<(f32, Cone, Span)> {
-        let cone = self.cone(point)?;
+        let [a, b] = [self.points[point as usize], self.points[point as usize + 1]];
+        if curve::passes(ray, Vec3A::from_vec4(a), Vec3A::from_vec4(b), a.w.abs().max(b.w.abs())) {
+            return None;
+        }
+        let cone = Cone::new(Vec3A::from_vec4(a), Vec3A::from_vec4(b), [a.w.abs(), b.w.abs()])?;
         let span = cone.span(ray.origin, ray.direction)?;
         if span.exit <= 0.0 || span.enter >= limit {
             return None;
@@ -242,12 +247,6 @@ impl Geometry {
         }
         let t = span.enter.max(0.0);
         (self.opaque(point, &cone, &span, ray, t, word)).then_some((t, cone, span))
-    }
-
-    #[inline]
-    fn cone(&self, point: u32) -> Option<Cone> {
-        let [a, b] = [self.points[point as usize], self.points[point as usize + 1]];
-        Cone::new(Vec3A::from_vec4(a), Vec3A::from_vec4(b), [a.w.abs(), b.w.abs()])
     }
 
     #[inline]
@@ -440,11 +439,30 @@ fn segment_bounds(points: &[Vec4], part: Part) -> Bounds {
     Bounds { low: (p - p_extent).min(q - q_extent) - pad, high: (p + p_extent).max(q + q_extent) + pad }
 }
 
-/// Bytes that `segments` segments of `hairs` hairs take while their hierarchy is built, of which the most is for parts.
-pub fn estimate(hairs: u64, segments: u64) -> u64 {
-    // Hairs across the axes have two parts a segment on average.
-    let parts = 2 * segments;
+/// Parts of a segment to reckon with before it has grown.
+pub const USUAL_PARTS: u64 = 3;
+
+/// Bytes that hairs of `segments` segments in all take while the hierarchy over their parts is built, which is the most.
+pub fn bytes(hairs: u64, segments: u64, parts: u64) -> u64 {
     hairs * std::mem::size_of::<super::strands::Hair>() as u64
         + (segments + hairs) * 16
-        + parts * (bvh::BYTES_A_PART + bvh::BUILD_BYTES_A_PART)
+        + parts * bvh::BYTES_A_PART
+        + bvh::BYTES_MORE
+}
+
+/// [`bytes`] of hairs that have grown.
+pub fn bytes_of(strands: &Strands) -> u64 {
+    let stride = strands.segments + 1;
+    let of_hair = |points: &[Vec4]| -> u64 {
+        points
+            .windows(2)
+            .filter_map(|p| {
+                Cone::new(Vec3A::from_vec4(p[0]), Vec3A::from_vec4(p[1]), [p[0].w.abs(), p[1].w.abs()])
+            })
+            .map(|cone| u64::from(pieces(&cone)))
+            .sum()
+    };
+    let parts = strands.points.par_chunks(stride).map(of_hair).sum();
+    let hairs = strands.hairs.len() as u64;
+    bytes(hairs, hairs * strands.segments as u64, parts)
 }

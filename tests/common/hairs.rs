@@ -85,9 +85,14 @@ pub fn options(integrator: Integrator, lights: LightModel, samples: u32) -> Opti
     Options { integrator, lights: Some(lights), samples: Some(samples), ..Options::default() }
 }
 
+/// The diffuse term of Kajiya and Kay, lossless for a white hair.
+pub fn diffuse() -> Fibre {
+    Fibre::KajiyaKay(pelage::fibre::KajiyaKay::new(1.0, 0.0, 1.0))
+}
+
 /// Traces diffuse hairs.
 pub fn trace(world: &World, coats: Vec<Strands>, options: &Options<'_>) -> Film {
-    let coats = coats.into_iter().map(|s| (s, Fibre::diffuse())).collect();
+    let coats = coats.into_iter().map(|s| (s, diffuse())).collect();
     pathtrace::render_coats(world, coats, options, &mut |_| Ok(())).expect("a film").film
 }
 
