@@ -21,6 +21,7 @@ struct Batch {
 @group(0) @binding(22) var table_sampler: sampler;
 @group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 @group(0) @binding(24) var field_table: texture_2d_array<f32>;
+@group(0) @binding(26) var sent_table: texture_2d_array<f32>;
 @group(0) @binding(25) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
