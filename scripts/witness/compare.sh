@@ -1,7 +1,7 @@
 #!/bin/sh
 # Renders a scene with Mitsuba from a throw-away environment and compares it with this program's ground truth: first lit from the side,
 # then from above and seen from another place; each with one scattering and with all of them. Ends with two comparisons that have to fail.
-#   scripts/witness/compare.sh [SCENE]
+#   scripts/witness/compare.sh, or with the path of another scene
 # MITSUBA names a Python that has mitsuba and numpy; without it they are downloaded (about 60 MB). Takes a few minutes. Not part of the
 # tests. Exit code 1 where a limit is passed.
 set -eu
