@@ -13,8 +13,8 @@ than the tolerances, which hold for Chiang's hair model; scenes with another mod
 
 What differs by definition:
 - Mitsuba's hair model takes the tangent on the surface, this program the axis. Where hairs taper, Mitsuba's frame is turned by the slope of
-  the radius: 0.36 degrees in hairs of 0.8 cm that taper from 200 to 100 um, and single scattering in scenes/witness.toml is 4 % off. That
-  scene has hairs of one diameter.
+  the radius: by 0.4 degrees in the mean and up to 2 in hairs of about 0.8 cm that taper from 200 to 100 um, with which single scattering in
+  scenes/witness.toml was 4 % off. That scene has hairs of one diameter.
 - This program's scattered rays start at a hair's axis, Mitsuba's at the point that was hit. Shadows within a hair are shifted by up to a
   radius: pixels differ, and blocks by some per cent however many samples are taken; means do not.
 - Mitsuba's cones are open at their ends and seen from outside only: it covers less, by the ends.
