@@ -18,8 +18,6 @@ struct Batch {
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
-@group(0) @binding(22) var table_sampler: sampler;
-@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -31,6 +29,7 @@ struct Batch {
 #import shared/groom
 #import shared/roots
 #import shared/strands
+#import shared/map_table
 #import shared/fibre
 
 // The model, fixed when the kernel is compiled.
@@ -107,7 +106,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 through = exp(-cell_tau(cell, j) * (1.0 - fur.forward_scattering * tint));
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_fibre(GUARD_MODEL, guard_fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
         }
         if groom.paper == 1u {
             // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.

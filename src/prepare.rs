@@ -3,7 +3,6 @@
 mod lattice;
 mod occluders;
 mod surface;
-mod tables;
 
 use crate::gpu::recorder::Timings;
 use crate::gpu::{Buffer, Gpu, Recorder, Scope};
@@ -19,7 +18,6 @@ use occluders::bvh;
 use std::sync::Arc;
 use surface::{corner_uv, skin_vertices, subdivide};
 pub(crate) use surface::{shell_normals, vertex_uv};
-use tables::Tables;
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {
@@ -48,7 +46,8 @@ pub struct Prepared<'g> {
     /// What the passes are compiled for.
     pub variant: Variant,
     buffers: Vec<Buffer>,
-    tables: Tables,
+    /// `coat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the light's nodes.
+    rows_fibre: Buffer,
 }
 
 /// Strands on the GPU.
@@ -86,7 +85,7 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
-        let PackedGroom { groom, texels, mut fur, guard_fibre, coat_fibre, noise, lights } =
+        let PackedGroom { groom, texels, table_bases, mut fur, guard_fibre, coat_fibre, noise, lights } =
             groom::pack(world)?;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
@@ -98,8 +97,7 @@ impl<'g> Prepared<'g> {
             gpu.uniform("groom", &groom)?,
             gpu.uniform("noise", &noise)?,
             upload_lights(gpu, &lights)?,
-            gpu.uniform("guard_fibre", &guard_fibre.packed())?,
-            gpu.uniform("coat_fibre", &coat_fibre.packed())?,
+            gpu.uniform("guard_fibre", &guard_fibre.packed(table_bases[0]))?,
             gpu.upload("map_texels", 1, &texels)?,
             gpu.upload("corner_uv", 1, &corner_uv(skin))?,
             gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
@@ -120,9 +118,10 @@ impl<'g> Prepared<'g> {
         fur.storage = u32::from(stored);
         let nested = world.scene.render.light == LightLookup::Nested;
         let variant = Variant { stored, nested, guard: guard_fibre.number(), coat: coat_fibre.number() };
-        let tables = Tables::new(gpu, &guard_fibre, &coat_fibre)?;
         let passes = gpu.passes(variant)?;
-        let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
+        let coat_table = coat_fibre.texels();
+        let room = gpu.binding_limit().saturating_sub(8 * coat_table.len() as u64);
+        let lattice = Lattice::plan(skin, world, &fur, room);
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
         fur.light_reach = lattice.reach;
@@ -131,6 +130,7 @@ impl<'g> Prepared<'g> {
         let columns = lattice.columns(skin, &edge_numbers, edges);
         fur.columns = columns.len() as u32;
         made.push(gpu.uniform("fur", &fur)?);
+        made.push(gpu.uniform("coat_fibre", &coat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?);
 
         // Step 1
         let neighbours = gpu.storage("neighbours", 1, u64::from(triangles) * 12)?;
@@ -197,9 +197,9 @@ impl<'g> Prepared<'g> {
             strand_budget,
             variant,
             buffers: made,
-            tables,
+            rows_fibre: gpu.uniform("coat_fibre", &coat_fibre.packed(table_bases[1]))?,
         };
-        prepared.light(world, nodes, pairs, timings)?;
+        prepared.light(world, nodes, pairs, &coat_table, timings)?;
         Ok(prepared)
     }
 
@@ -210,11 +210,23 @@ impl<'g> Prepared<'g> {
 
     /// Everything that later passes read, by name.
     pub fn scope(&self) -> Scope<'_> {
-        self.tables.bind(scope_of(&self.buffers))
+        scope_of(&self.buffers)
+    }
+
+    /// [`Prepared::scope`] for the rows of shells and fins.
+    pub(crate) fn rows_scope(&self) -> Scope<'_> {
+        self.scope().with(&[&self.rows_fibre])
     }
 
     /// Guard hairs' roots, what they take from the light, the light, and their shading.
-    fn light(&mut self, world: &World, nodes: u64, pairs: u32, timings: &mut Timings) -> Result<()> {
+    fn light(
+        &mut self,
+        world: &World,
+        nodes: u64,
+        pairs: u32,
+        table: &[[u32; 2]],
+        timings: &mut Timings,
+    ) -> Result<()> {
         let gpu = self.gpu;
         let deposits = gpu.storage("deposits", 2, nodes * 4)?;
         let extinction = gpu.storage("lattice_extinction", 2, nodes * 4)?;
@@ -244,7 +256,10 @@ impl<'g> Prepared<'g> {
         let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
         let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
         let tau = gpu.storage("tau", 2, nodes * u64::from(pairs) * 4)?;
-        let source = gpu.storage("source", 2, nodes * 16)?;
+        let source = gpu.storage("source", 2, nodes * 16 + table.len() as u64 * 8)?;
+        if !table.is_empty() {
+            gpu.queue.write_buffer(&source.raw, nodes * 16, bytemuck::cast_slice(table));
+        }
         let base_light = gpu.storage("base_light", 2, u64::from(self.fur.columns) * 8)?;
         {
             let mut recorder = Recorder::new(gpu);
