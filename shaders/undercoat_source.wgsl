@@ -10,7 +10,6 @@
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
 @group(0) @binding(20) var<uniform> coat_fibre: Fibre;
-@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
 @group(0) @binding(22) var table_sampler: sampler;
 @group(0) @binding(24) var field_table: texture_2d_array<f32>;
 @group(0) @binding(26) var sent_table: texture_2d_array<f32>;
@@ -26,6 +25,7 @@
 #import shared/column_place
 #import shared/lights
 #import shared/record
+#import shared/source_table
 #import shared/fibre
 #import shared/coat
 #import shared/transport
