@@ -67,7 +67,7 @@ enum Command {
     Bake(bake::BakeArgs),
     /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
     Lapped(lapped::LappedArgs),
-    /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
+    /// Compare two images: light, structure, FLIP and HDR-FLIP, detail; all, at the silhouette and inside.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
     Bench(bench::BenchArgs),
