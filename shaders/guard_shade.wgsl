@@ -9,7 +9,7 @@ struct Batch {
 @group(0) @binding(2) var<uniform> fur: Fur;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
-@group(0) @binding(5) var<uniform> fibre: Fibre;
+@group(0) @binding(5) var<uniform> guard_fibre: Fibre;
 @group(0) @binding(6) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(7) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(8) var<storage, read> prisms: array<Prism>;
@@ -18,6 +18,10 @@ struct Batch {
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
+@group(0) @binding(22) var table_sampler: sampler;
+@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
+@group(0) @binding(24) var field_table: texture_2d_array<f32>;
+@group(0) @binding(25) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -30,27 +34,45 @@ struct Batch {
 #import shared/roots
 #import shared/strands
 #import shared/fibre
+#import shared/transport
+#import shared/dual
+
+// The model, fixed when the kernel is compiled.
+override GUARD_MODEL: u32 = 1u;
 
 // Optical depth towards a light (or the eye) in a lattice cell.
 fn cell_tau(cell: LatticeCell, light: u32) -> f32 {
-    let pairs = tau_pairs();
+    let stride = fur.tau_stride;
     var sum = 0.0;
     for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * pairs + light / 2u;
-        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], cell.fraction);
+        let node = node_index(cell.columns[k], cell.level) * stride + light / 2u;
+        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], cell.fraction);
     }
     return sum;
 }
 
 // Least optical depth to the eye of the cell's corners.
 fn eye_tau(cell: LatticeCell) -> f32 {
-    let pairs = tau_pairs();
+    let stride = fur.tau_stride;
     var least = TAU_BLOCKED;
     for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * pairs + fur.lights / 2u;
-        least = min(least, min(unpack2x16float(tau[node])[fur.lights & 1u], unpack2x16float(tau[node + pairs])[fur.lights & 1u]));
+        let node = node_index(cell.columns[k], cell.level) * stride + fur.lights / 2u;
+        least = min(least, min(unpack2x16float(tau[node])[fur.lights & 1u], unpack2x16float(tau[node + stride])[fur.lights & 1u]));
     }
     return least;
+}
+
+// Mean and slope of the scattered radiance in a lattice cell.
+fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
+    var sum = array<vec2f, 3>();
+    for (var k = 0u; k < 3u; k++) {
+        let low = node_index(cell.columns[k], cell.level) * fur.tau_stride + tau_pairs();
+        let high = low + fur.tau_stride;
+        for (var word = 0u; word < 3u; word++) {
+            sum[word] += cell.weights[k] * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
+        }
+    }
+    return array<vec3f, 2>(vec3f(sum[0], sum[1].x), vec3f(sum[1].y, sum[2]));
 }
 
 @compute @workgroup_size(64)
@@ -97,12 +119,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         var radiance = vec3f(0.0);
         for (var j = 0u; j < fur.lights; j++) {
-            var through = vec3f(1.0);
-            if groom.paper == 0u {
-                through = exp(-cell_tau(cell, j) * (1.0 - fur.forward_scattering * tint));
+            let depth = select(0.0, cell_tau(cell, j), groom.paper == 0u);
+            let through = exp(-depth * (1.0 - fur.forward_scattering * tint));
+            if MULTIPLE == MULTIPLE_DUAL {
+                radiance += lights.lights[j].irradiance
+                    * dual_scatter(ROW_DUAL_GUARD, tint, tangent, lights.lights[j].direction, view, depth);
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_fibre(fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, tangent, lights.lights[j].direction, view, tint, glint_angle);
+        }
+        if MULTIPLE == MULTIPLE_TRANSPORT {
+            let scattered = scattered_light(cell);
+            let normal = normalize(place.v0 + place.lambda.y * place.w1 + place.lambda.z * place.w2);
+            radiance += guard_response(tint, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {
             // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.

@@ -92,7 +92,8 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
             p = vec3f(place.lambda.x * corner_uv[corner] + place.lambda.y * corner_uv[corner + 1u]
                 + place.lambda.z * corner_uv[corner + 2u], 0.0);
         }
-        undercoat = fur.extinction * columns[column].density * clump_density(p, p, t);
+        let tangent = normalize(normalize(extrusion(&place)) + fur.lean * t);
+        undercoat = fur.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
     }
     lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));
 }

@@ -17,7 +17,7 @@ struct LightingTable {
 @group(0) @binding(2) var<uniform> fur: Fur;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
-@group(0) @binding(5) var<uniform> fibre: Fibre;
+@group(0) @binding(5) var<uniform> guard_fibre: Fibre;
 @group(0) @binding(6) var<uniform> lighting_table: LightingTable;
 @group(0) @binding(7) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -27,6 +27,10 @@ struct LightingTable {
 @group(0) @binding(12) var<storage, read> brushes: array<Brush>;
 @group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
 @group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
+@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
+@group(0) @binding(22) var table_sampler: sampler;
+@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -36,7 +40,11 @@ struct LightingTable {
 #import shared/lights
 #import shared/groom
 #import shared/fibre
+#import shared/coat
 #import shared/shellfin_types
+
+// The model, fixed when the kernel is compiled.
+override GUARD_MODEL: u32 = 1u;
 
 // What bends the hair of a vertex.
 struct HairRoot {
@@ -93,11 +101,11 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
 
 // Optical depth above column `v` at `height` (in shell heights) towards a light.
 fn column_tau(v: u32, height: f32, light: u32) -> f32 {
-    let pairs = tau_pairs();
+    let stride = fur.tau_stride;
     let x = clamp(height / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
     let level = min(u32(x), fur.levels - 1u);
-    let node = (v * (fur.levels + 1u) + level) * pairs + light / 2u;
-    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], x - f32(level));
+    let node = (v * (fur.levels + 1u) + level) * stride + light / 2u;
+    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], x - f32(level));
 }
 
 fn table_texel(x: u32, y: u32) -> f32 {
@@ -153,7 +161,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {
                 undercoat += lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.undercoat))
-                    * kajiya_kay(lean, l, view);
+                    * scatter_coat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
                 // The hairs that a row stands for lean a little every way.
@@ -161,11 +169,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 for (var k = 0u; k < 4u; k++) {
                     let turn = 0.7853982 + 1.5707963 * f32(k);
                     let t = normalize(tangent + 1.25 * shellfin.spread * (cos(turn) * side + sin(turn) * other));
-                    guard += 0.25 * through * scatter_fibre(fibre, t, l, view, row.guard, radians(37.5));
+                    guard += 0.25 * through * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, t, l, view,
+                        row.guard, MEAN_GLINT);
                 }
             }
         }
         guard /= max(row.guard, vec3f(1e-3));
+        if COAT_MODEL != MODEL_KAJIYA_KAY {
+            undercoat /= max(row.undercoat, vec3f(1e-3));
+        }
     }
     row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
         pack2x16snorm(octahedral_encode(lean)));

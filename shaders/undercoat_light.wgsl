@@ -67,11 +67,11 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
 fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
     (*place).t = max((*place).t, level_height(sweep.level + 1u));
     let cell = lattice_cell(place);
-    let pairs = tau_pairs();
+    let stride = fur.tau_stride;
     var sum = 0.0;
     for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * pairs + light / 2u;
-        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + pairs])[light & 1u], cell.fraction);
+        let node = node_index(cell.columns[k], cell.level) * stride + light / 2u;
+        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], cell.fraction);
     }
     return sum;
 }
@@ -139,5 +139,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             values[k] = optical_depth(&place, x, normalize(frame.eye - x), j, false);
         }
     }
-    tau[node_index(column, sweep.level) * pairs + pair] = pack2x16float(values);
+    tau[node_index(column, sweep.level) * fur.tau_stride + pair] = pack2x16float(values);
 }

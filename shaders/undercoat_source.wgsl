@@ -6,9 +6,14 @@
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(5) var<storage, read> columns: array<Column>;
-@group(0) @binding(6) var<storage, read> tau: array<u32>;
+@group(0) @binding(6) var<storage, read_write> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
+@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
+@group(0) @binding(22) var table_sampler: sampler;
+@group(0) @binding(24) var field_table: texture_2d_array<f32>;
+@group(0) @binding(25) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -20,9 +25,13 @@
 #import shared/column_place
 #import shared/lights
 #import shared/record
+#import shared/fibre
+#import shared/coat
+#import shared/transport
+#import shared/dual
 
 fn tau_of(node: u32, light: u32) -> f32 {
-    return unpack2x16float(tau[node * tau_pairs() + light / 2u])[light & 1u];
+    return unpack2x16float(tau[node * fur.tau_stride + light / 2u])[light & 1u];
 }
 
 @compute @workgroup_size(64)
@@ -44,18 +53,37 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
     let attenuation = 1.0 - fur.forward_scattering * albedo;
     var ambient = vec3f(0.0);
+    var scattered = vec3f(0.0);   // by more than one hair
     var key_tau = vec2f(0.0);
+    var field = mat3x4f();
     for (var j = 0u; j < fur.lights; j++) {
         let depth = tau_of(node, j);
+        let light = lights.lights[j];
+        if light.undercoat == 1u && MULTIPLE == MULTIPLE_DUAL {
+            scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
+        }
+        if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
+            let of_light = scattered_field(albedo, depth, dot(normal, light.direction));
+            field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1], light.irradiance.b * of_light[2]);
+        }
         if j == fur.key_lights.x && fur.keys > 0u {
             key_tau.x = depth;
         } else if j == fur.key_lights.y && fur.keys > 1u {
             key_tau.y = depth;
-        } else if lights.lights[j].undercoat == 1u {
-            ambient += lights.lights[j].irradiance * exp(-depth * attenuation)
-                * kajiya_kay(tangent, lights.lights[j].direction, view);
+        } else if light.undercoat == 1u {
+            ambient += light.irradiance * exp(-depth * attenuation) * scatter_coat(tangent, light.direction, view, albedo);
         }
     }
+    if MULTIPLE == MULTIPLE_TRANSPORT {
+        scattered = coat_response(albedo, dot(normal, view), field);
+        let mean = field_mean(field);
+        let slope = field_slope(field);
+        let first = node * fur.tau_stride + tau_pairs();
+        tau[first] = pack2x16float(mean.rg);
+        tau[first + 1u] = pack2x16float(vec2f(mean.b, slope.r));
+        tau[first + 2u] = pack2x16float(slope.gb);
+    }
+    ambient += scattered / max(coat_color(albedo), vec3f(1e-3));
     let log_ambient = log2(max(ambient, vec3f(1e-7)));
     source[node] = vec4u(pack2x16float(log_ambient.rg), pack2x16float(vec2f(log_ambient.b, columns[column].density)),
         pack2x16float(key_tau), pack_albedo(albedo));
@@ -65,6 +93,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let facing = max(0.0, dot(normal, lights.lights[j].direction));
             radiance += lights.lights[j].irradiance * facing * exp(-tau_of(node, j) * attenuation);
         }
+        radiance += field_irradiance(field);
         radiance *= unpack_albedo(columns[column].color_base) * 0.31830989;
         base_light[column] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
     }

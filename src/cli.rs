@@ -16,6 +16,7 @@ mod interrupt;
 mod lapped;
 mod output;
 mod progress;
+mod reference;
 mod render;
 mod schema;
 
@@ -55,6 +56,8 @@ struct Global {
 enum Command {
     /// Render a scene to PNG or EXR files.
     Render(render::RenderArgs),
+    /// Trace a scene's ground truth on the CPU, every hair a strand; needs no GPU.
+    Reference(reference::ReferenceArgs),
     /// Print the resolved scene with counts and a memory estimate, without a GPU.
     Check(check::CheckArgs),
     /// Print the JSON schema of scene files.
@@ -104,6 +107,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
     }
     match &cli.command {
         Command::Render(args) => render::run(args, &cli.global),
+        Command::Reference(args) => reference::run(args, &cli.global),
         Command::Check(args) => check::run(args, &cli.global),
         Command::Schema => schema::run(),
         Command::Devices(args) => devices::run(args),

@@ -32,7 +32,7 @@ pub struct Gpu {
     /// Allocations alive and their peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
-    /// With densities evaluated, and stored.
+    /// By variant.
     passes: [OnceLock<Arc<Passes>>; Variant::COUNT],
 }
 
@@ -89,7 +89,7 @@ impl Gpu {
             software,
             ledger: Arc::default(),
             faults,
-            passes: Default::default(),
+            passes: std::array::from_fn(|_| OnceLock::new()),
         })
     }
 

@@ -1,14 +1,20 @@
 //! The groom as the passes read it: scene values in the units and structs of the shaders.
 
-use crate::layout::{Fibre, Fur, Groom, Light, Noise, Parameter};
+use crate::fibre::Fibre;
+use crate::layout::{Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
-use crate::scene::{Blend, Color, Fur as FurLayers, NoiseDomain, Scalar, Scene, Shading, ShellLighting};
+use crate::scene::{
+    Blend, Color, Fur as FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading, ShellLighting,
+};
 use crate::{Result, World};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = 64;
+
+/// Words that the scattered light takes at a node of the light lattice, behind the optical depths: mean and slope of its radiance.
+pub const SCATTERED_WORDS: u32 = 3;
 
 /// Texel size of the map buffer, bytes: four halves.
 const TEXEL: u64 = 8;
@@ -21,8 +27,10 @@ pub struct PackedGroom {
     pub texels: Vec<[u32; 2]>,
     /// Undercoat; the lattice and storage fields are set by the renderer.
     pub fur: Fur,
-    /// Guard hair scattering.
-    pub fibre: Fibre,
+    /// Scattering of guard hairs.
+    pub guard_fibre: Fibre,
+    /// Scattering of the undercoat.
+    pub coat_fibre: Fibre,
     /// The noise tables.
     pub noise: Noise,
     /// All lights, padded to the uniform's length.
@@ -45,6 +53,14 @@ pub fn has_undercoat(scene: &Scene) -> bool {
     (matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid) || lit_shells(scene))
         && scene.undercoat.density.max() > 0.0
         && scene.undercoat.height.max() > 0.0
+}
+
+/// How light scattered by more than one hair is found.
+pub fn multiple_model(scene: &Scene) -> MultipleModel {
+    match scene.render.shading {
+        Shading::Paper => MultipleModel::None,
+        Shading::Physical => scene.render.multiple.model,
+    }
 }
 
 /// Packs the groom of `world`.
@@ -81,6 +97,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         maps.scalar(&scene.shells.length),
     ];
     let paper = scene.render.shading == Shading::Paper;
+    let multiple = multiple_model(scene);
     let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
     let groom = Groom {
         parameters,
@@ -124,10 +141,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         light_step: (1.5 * free_path).clamp(height / 32.0, height / 8.0),
         height,
         lean: (comb * coat.lean).into(),
-        diffuse: coat.diffuse,
-        specular: coat.specular,
-        specular_exponent: coat.specular_exponent,
-        forward_scattering: if paper { 0.0 } else { coat.forward_scattering },
+        forward_scattering: if multiple == MultipleModel::Similarity { coat.forward_scattering } else { 0.0 },
         isotropic: u32::from(paper),
         lattice: 1,
         levels: 1,
@@ -144,28 +158,20 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
+        tau_stride: 0,
         key_lights: [u32::MAX; 2],
-        padding: [0; 2],
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
     };
-    let f = &guard.fibre;
-    let fibre = Fibre {
-        intensity: f.intensity,
-        diffuse: f.diffuse,
-        shift: f.shift.map(f32::to_radians),
-        azimuth_tt: f.azimuth_tt.to_radians(),
-        width: f.width.map(f32::to_radians),
-        glint: f.glint[0],
-        glint_width: f.glint[1].to_radians(),
-        padding: [0.0; 3],
-    };
-    let (fur, lights) = pack_lights(world, fur);
+    let (mut fur, lights) = pack_lights(world, fur);
+    fur.tau_stride =
+        (fur.lights + 2) / 2 + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
     Ok(PackedGroom {
         groom,
         texels: maps.finish(),
         fur,
-        fibre,
+        guard_fibre: Fibre::guard(scene),
+        coat_fibre: Fibre::undercoat(scene),
         noise: noise_tables(scene.render.seed),
         lights,
     })

@@ -79,9 +79,6 @@ shared! {
         light_step: f32,
         height: f32,
         lean: [f32; 3],
-        diffuse: f32,
-        specular: f32,
-        specular_exponent: f32,
         forward_scattering: f32,
         isotropic: u32,
         lattice: u32,
@@ -96,8 +93,8 @@ shared! {
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
+        tau_stride: u32,
         key_lights: [u32; 2],
-        padding: [u32; 2],
         key_direction: [[f32; 4]; 2],
         key_irradiance: [[f32; 4]; 2],
     }
@@ -155,7 +152,14 @@ shared! {
         width: [f32; 3],
         glint: f32,
         glint_width: f32,
-        padding: [f32; 3],
+        specular: f32,
+        specular_exponent: f32,
+        divisor: f32,
+        absorption: [f32; 3],
+        padding: u32,
+        variance: [f32; 4],
+        turn_sin: [f32; 4],
+        turn_cos: [f32; 4],
     }
     /// `shared/column.wgsl`
     struct Column {

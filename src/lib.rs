@@ -70,7 +70,7 @@
 //! | [`groom`], [`layout`] | what the shaders are given |
 //! | [`lapped`], [`bake`], [`shellfin`], [`dynamics`] | patches, textures, shells and fins, forces on hair |
 //! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
-//! | [`film`], [`files`], [`hair`], [`compare`] | pictures, files, strands for other programs, metrics |
+//! | [`film`], [`files`], [`hair`], [`export`], [`compare`] | pictures, files, hair and scenes for other programs, metrics |
 //! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
 //! | [`mod@bench`], [`figure`], [`provenance`] | the paper's Table 1 and figures, and where results came from |
 //! | [`stats`], [`error`], [`cli`] | counts and times, what can go wrong, the command |
@@ -86,6 +86,7 @@ pub mod cli;
 pub mod compare;
 pub mod dynamics;
 pub mod error;
+pub mod export;
 pub mod fibre;
 pub mod figure;
 pub mod files;

@@ -33,29 +33,55 @@ pub mod undercoat_march;
 pub mod undercoat_source;
 
 use crate::Result;
+use crate::fibre::MODELS;
 use crate::gpu::Gpu;
 
-/// What the march is compiled for.
+/// What the passes are compiled for.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Variant {
     /// Densities are stored, not evaluated.
     pub stored: bool,
     /// Key lights are followed by a march at every step, not looked up.
     pub nested: bool,
+    /// Scattering of the guard hairs, a number of [`crate::fibre::Fibre::number`].
+    pub guard: u32,
+    /// Scattering of the undercoat.
+    pub coat: u32,
+    /// How light scattered by more than one hair is found: 0 not or by similarity, 1 dual scattering, 2 transport.
+    pub multiple: u32,
 }
 
 impl Variant {
     /// Number of variants.
-    pub const COUNT: usize = 4;
+    pub const COUNT: usize = 12 * (MODELS * MODELS) as usize;
 
     /// A number below [`Variant::COUNT`].
     pub fn index(self) -> usize {
-        usize::from(self.stored) + 2 * usize::from(self.nested)
+        let models = self.guard.min(MODELS - 1) * MODELS + self.coat.min(MODELS - 1);
+        usize::from(self.stored)
+            + 2 * usize::from(self.nested)
+            + 4 * (models * 3 + self.multiple.min(2)) as usize
     }
 
     /// Values of the shaders' `override` constants.
-    fn constants(self) -> [(&'static str, f64); 2] {
-        [("STORED", f64::from(u8::from(self.stored))), ("NESTED", f64::from(u8::from(self.nested)))]
+    fn constants(self) -> [(&'static str, f64); 3] {
+        [
+            ("STORED", f64::from(u8::from(self.stored))),
+            ("NESTED", f64::from(u8::from(self.nested))),
+            self.coat(),
+        ]
+    }
+
+    fn multiple(self) -> (&'static str, f64) {
+        ("MULTIPLE", f64::from(self.multiple))
+    }
+
+    fn guard(self) -> (&'static str, f64) {
+        ("GUARD_MODEL", f64::from(self.guard))
+    }
+
+    fn coat(self) -> (&'static str, f64) {
+        ("COAT_MODEL", f64::from(self.coat))
     }
 }
 
@@ -100,7 +126,7 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Compiles every kernel, for a variant of the march.
+    /// Compiles every kernel, for a variant.
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in a shader.
@@ -111,7 +137,7 @@ impl Passes {
             film: film::Film::new(gpu)?,
             guard_bins: guard_bins::GuardBins::new(gpu)?,
             guard_raster: guard_raster::GuardRaster::new(gpu)?,
-            guard_shade: guard_shade::GuardShade::new(gpu)?,
+            guard_shade: guard_shade::GuardShade::new(gpu, variant)?,
             guard_splat: guard_splat::GuardSplat::new(gpu)?,
             guard_strands: guard_strands::GuardStrands::new(gpu)?,
             hair_roots: hair_roots::HairRoots::new(gpu)?,
@@ -123,7 +149,7 @@ impl Passes {
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,
             undercoat_light: undercoat_light::UndercoatLight::new(gpu)?,
             undercoat_march: undercoat_march::UndercoatMarch::new(gpu, variant)?,
-            undercoat_source: undercoat_source::UndercoatSource::new(gpu)?,
+            undercoat_source: undercoat_source::UndercoatSource::new(gpu, variant)?,
         })
     }
 }

@@ -3,6 +3,7 @@
 mod lattice;
 mod occluders;
 mod surface;
+mod tables;
 
 use crate::gpu::recorder::Timings;
 use crate::gpu::{Buffer, Gpu, Recorder, Scope};
@@ -10,14 +11,16 @@ use crate::groom::{self, PackedGroom};
 use crate::layout::{Frame, Fur, Root};
 use crate::passes::hair_roots::HairRoots;
 use crate::passes::{Passes, Variant};
-use crate::scene::{Fur as FurLayers, LightLookup, Storage};
+use crate::scene::{Fur as FurLayers, LightLookup, MultipleModel, Storage};
 use crate::skin::NONE;
+use crate::transport::Table;
 use crate::{Error, Result, World};
-use lattice::{Lattice, number_edges};
+use lattice::Lattice;
+pub(crate) use lattice::number_edges;
 use occluders::bvh;
 use std::sync::Arc;
-use surface::{corner_uv, skin_vertices, subdivide};
-pub(crate) use surface::{shell_normals, vertex_uv};
+pub(crate) use surface::{corner_uv, shell_normals, skin_vertices, subdivide, vertex_uv};
+use tables::Tables;
 
 /// A skin with its fur on the GPU.
 pub struct Prepared<'g> {
@@ -43,7 +46,10 @@ pub struct Prepared<'g> {
     pub batches: Vec<RootBatch>,
     /// Bytes that strands may take.
     pub strand_budget: u64,
+    /// What the passes are compiled for.
+    pub variant: Variant,
     buffers: Vec<Buffer>,
+    tables: Tables,
 }
 
 /// Strands on the GPU.
@@ -81,7 +87,11 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
-        let PackedGroom { groom, texels, mut fur, fibre, noise, lights } = groom::pack(world)?;
+        let packed = groom::pack(world)?;
+        let scattered =
+            matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
+                .then(|| Table::of_world(world, &packed));
+        let PackedGroom { groom, texels, mut fur, guard_fibre, coat_fibre, noise, lights } = packed;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
         let vertices = skin.positions.len() as u32;
@@ -92,7 +102,8 @@ impl<'g> Prepared<'g> {
             gpu.uniform("groom", &groom)?,
             gpu.uniform("noise", &noise)?,
             upload_lights(gpu, &lights)?,
-            gpu.uniform("fibre", &fibre)?,
+            gpu.uniform("guard_fibre", &guard_fibre.packed())?,
+            gpu.uniform("coat_fibre", &coat_fibre.packed())?,
             gpu.upload("map_texels", 1, &texels)?,
             gpu.upload("corner_uv", 1, &corner_uv(skin))?,
             gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
@@ -112,7 +123,15 @@ impl<'g> Prepared<'g> {
         };
         fur.storage = u32::from(stored);
         let nested = world.scene.render.light == LightLookup::Nested;
-        let passes = gpu.passes(Variant { stored, nested })?;
+        let multiple = match groom::multiple_model(&world.scene) {
+            MultipleModel::None | MultipleModel::Similarity => 0,
+            MultipleModel::Dual => 1,
+            MultipleModel::Transport => 2,
+        };
+        let variant =
+            Variant { stored, nested, guard: guard_fibre.number(), coat: coat_fibre.number(), multiple };
+        let tables = Tables::new(gpu, &guard_fibre, &coat_fibre, scattered.as_ref())?;
+        let passes = gpu.passes(variant)?;
         let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
@@ -186,7 +205,9 @@ impl<'g> Prepared<'g> {
             resident: None,
             batches: Vec::new(),
             strand_budget,
+            variant,
             buffers: made,
+            tables,
         };
         prepared.light(world, nodes, pairs, timings)?;
         Ok(prepared)
@@ -199,7 +220,7 @@ impl<'g> Prepared<'g> {
 
     /// Everything that later passes read, by name.
     pub fn scope(&self) -> Scope<'_> {
-        scope_of(&self.buffers)
+        self.tables.bind(scope_of(&self.buffers))
     }
 
     /// Guard hairs' roots, what they take from the light, the light, and their shading.
@@ -232,7 +253,7 @@ impl<'g> Prepared<'g> {
 
         let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
         let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
-        let tau = gpu.storage("tau", 2, nodes * u64::from(pairs) * 4)?;
+        let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.tau_stride) * 4)?;
         let source = gpu.storage("source", 2, nodes * 16)?;
         let base_light = gpu.storage("base_light", 2, u64::from(self.fur.columns) * 8)?;
         {

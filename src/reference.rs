@@ -9,7 +9,6 @@
 
 pub mod base_raster;
 pub mod edge_table;
-pub mod fibre;
 pub mod film;
 pub mod groom;
 pub mod guard_bins;

@@ -9,6 +9,7 @@
 mod animation;
 mod check;
 mod defaults;
+mod fibre;
 mod load;
 pub mod model;
 mod output;

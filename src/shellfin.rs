@@ -205,8 +205,8 @@ impl<'g> Shellfins<'g> {
         Ok(Self {
             gpu,
             world,
+            pass_rows: ShellfinRows::new(gpu, prepared.variant)?,
             prepared,
-            pass_rows: ShellfinRows::new(gpu)?,
             pass_raster: ShellfinRaster::new(gpu, uses)?,
             textures: uploaded,
             means,

@@ -11,7 +11,9 @@
 //! backward in azimuth. Upright hairs send light that comes from above on downwards whichever way it turns in azimuth, and
 //! only roughness, tilt and disorder bring it out again: the inclination must be followed, and is followed here.
 
+pub mod dual;
 pub mod slab;
+mod world;
 
 use crate::fibre::{Fibre, Hit};
 use crate::reference::hash::{hash2, random, random_direction};
@@ -25,6 +27,8 @@ pub const TINTS: usize = 10;
 pub const DEPTHS: usize = 20;
 /// Inclinations of a light or a view to the skin's normal.
 pub const COSINES: usize = 16;
+/// Rows of `response_table` in `shaders/shared/transport.wgsl`.
+pub const ROWS: usize = 7;
 /// Largest optical depth in a table, and that of a light that is blocked.
 pub const DEEPEST: f32 = 18.0;
 /// Samples for each entry of [`Table::guard`].
@@ -40,6 +44,8 @@ pub struct Table {
     pub share: [f32; 4],
     /// Integral of the cosine over each zone by 2 pi.
     pub flux: [f32; 4],
+    /// Weights of light scattered on and back by dual scattering: its density factors.
+    pub dual_density: [f32; 2],
     /// Radiance in the zones for an irradiance of 1: `[tint][depth][cosine of the light]`.
     pub field: Vec<[f32; 4]>,
     /// Radiance that undercoat sends to a view, by its extinction, for a radiance of 1 in each zone: `[tint][cosine of the view]`.
@@ -47,6 +53,19 @@ pub struct Table {
     /// What a guard hair sends to a view for a radiance of 1 all round, and for one that grows as the cosine to an axis: along
     /// the hair, and along the view's part across the hair: `[tint][sine of the view's inclination]`, the fourth is 0.
     pub guard: Vec<[f32; 4]>,
+    /// [`dual::table`] of the undercoat's fibres and of the guard hairs'.
+    pub dual: [Vec<[f32; 4]>; 2],
+}
+
+/// Which light scattered more than once is counted.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Terms {
+    /// Weight of light that comes from above, or was scattered on towards the hair.
+    pub forward: f32,
+    /// Weight of light that comes from below, or was scattered back by the hairs behind.
+    pub backward: f32,
+    /// Density factors of dual scattering, on and back.
+    pub density: [f32; 2],
 }
 
 /// Brightness of index `i` in a table; what comes out of a coat is about even in the root of what a hair takes.
@@ -67,8 +86,8 @@ fn cosine(i: usize, lowest: f32) -> f32 {
 }
 
 impl Table {
-    /// Solves the transport in `medium` and tabulates it, with the response of guard hairs of model `guard`.
-    pub fn new(medium: &Medium, guard: &Fibre) -> Self {
+    /// Solves the transport in `medium` and tabulates it, with the response of guard hairs of model `guard`; terms are weighted.
+    pub fn new(medium: &Medium, guard: &Fibre, terms: &Terms) -> Self {
         let zone = |bin: usize| match bin {
             _ if bin < HALF / 2 => 3,
             _ if bin < HALF => 2,
@@ -93,7 +112,8 @@ impl Table {
                         let square = f64::from(depth(d)) * mu / operators.extinction_at(*mu);
                         for bin in 0..BINS {
                             let part = widths[bin] as f32 * 0.5 / share[zone(bin)];
-                            of_zone[zone(bin)] += part * solution.radiance(square, k, bin) as f32;
+                            let weight = if bin < HALF { terms.backward } else { terms.forward };
+                            of_zone[zone(bin)] += weight * part * solution.radiance(square, k, bin) as f32;
                         }
                     }
                     field.push(of_zone);
@@ -108,7 +128,15 @@ impl Table {
                 response.push(of_zone);
             }
         }
-        Self { share, flux, field, response, guard: guard_response(guard) }
+        Self {
+            share,
+            flux,
+            dual_density: [terms.density[0] * terms.forward, terms.density[1] * terms.backward],
+            field,
+            response,
+            guard: guard_response(guard),
+            dual: [dual::table(&medium.fibre), dual::table(guard)],
+        }
     }
 }
 
@@ -151,8 +179,28 @@ pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
 }
 
 impl Table {
-    /// The table as the shaders read it.
-    pub fn packed(&self) -> Vec<[f32; 4]> {
-        [&[self.share, self.flux], &self.field[..], &self.response, &self.guard].concat()
+    /// Texels of `field_table`: [`COSINES`] x [`DEPTHS`] x [`TINTS`].
+    pub fn field_texels(&self) -> &[[f32; 4]] {
+        &self.field
+    }
+
+    /// Texels of `response_table`: [`COSINES`] x [`ROWS`] x [`TINTS`].
+    pub fn response_texels(&self) -> Vec<[f32; 4]> {
+        let [on, back] = self.dual_density;
+        let mut head = vec![[0.0; 4]; COSINES];
+        head[..3].copy_from_slice(&[self.share, self.flux, [on, back, 0.0, 0.0]]);
+        let mut texels = Vec::new();
+        for tint in 0..TINTS {
+            let row = |table: &[[f32; 4]]| table[tint * COSINES..][..COSINES].to_vec();
+            texels.extend_from_slice(&head);
+            texels.extend(row(&self.response));
+            texels.extend(row(&self.guard));
+            for dual in &self.dual {
+                for which in 0..2 {
+                    texels.extend(dual[2 * tint * COSINES..][..2 * COSINES].iter().skip(which).step_by(2));
+                }
+            }
+        }
+        texels
     }
 }

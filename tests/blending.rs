@@ -103,7 +103,7 @@ fn white_undercoat_stays_below_its_bound() {
     // Twice the diffuse weight is not physical any more, and the bound notices.
     let film = blended(Blend::Exact, 1, |s| {
         white(1.0)(s);
-        s.undercoat.diffuse = 2.0;
+        s.undercoat.fibre.diffuse = Some(2.0);
     })
     .0;
     assert!(most(&film)[0] > bound);

@@ -14,7 +14,7 @@ use lit::Lit;
 use marched::Marched;
 use pelage::reference::hash::hash2;
 use pelage::reference::resolve::Kind;
-use pelage::reference::undercoat::kajiya_kay;
+use pelage::reference::undercoat::scatter;
 use pelage::reference::undercoat_light::Attenuator;
 use pelage::reference::undercoat_march::{first_phase, look_up, steps};
 use pelage::reference::view::sample_ray;
@@ -90,7 +90,10 @@ fn look_up_stands_for_the_nested_march() {
                 let l = Vec3::from(light.direction);
                 let tau = medium.optical_depth(&s.place, x, l, fur.light_step / 4.0);
                 let seen = (-tau * (1.0 - fur.forward_scattering * albedo)).exp();
-                exact += Vec3::from(light.irradiance) * seen * kajiya_kay(&fur, tangent, l, view) * albedo;
+                exact += Vec3::from(light.irradiance)
+                    * seen
+                    * scatter(scenery.coat, tangent, l, view, albedo)
+                    * albedo;
             }
             a += through * (1.0 - rest) * s.radiance;
             b += through * (1.0 - rest) * exact;

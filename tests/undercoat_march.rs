@@ -12,7 +12,7 @@ use pelage::World;
 use pelage::reference::resolve::Kind;
 use pelage::reference::undercoat_march::{first_phase, fragments, steps};
 use pelage::reference::view::sample_ray;
-use pelage::scene::{Blend, Fur, Scene, Shape, Storage};
+use pelage::scene::{Blend, FibreModel, Fur, Scene, Shape, Storage};
 use worlds::world;
 
 /// A torus: rays that enter twice, graze, and see it from within its hole.
@@ -83,6 +83,17 @@ fn fragments_of_evaluated_densities_agree() {
     }));
     // The twin's noise is in double precision.
     assert!(seen > 900 && part > 0.99, "{part} of {seen}");
+}
+
+#[test]
+fn fragments_of_other_models_agree() {
+    for model in [FibreModel::Sadeghi, FibreModel::Chiang, FibreModel::Medulla] {
+        let (part, seen) = agreement(torus(|s| {
+            s.render.blend = Blend::Simplified;
+            s.undercoat.fibre.model = Some(model);
+        }));
+        assert!(seen > 900 && part > 0.99, "{model:?}: {part} of {seen}");
+    }
 }
 
 #[test]

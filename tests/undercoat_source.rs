@@ -10,11 +10,36 @@ mod worlds;
 use lit::Lit;
 use pelage::reference::film::halves;
 use pelage::reference::undercoat_source::unpack;
-use pelage::scene::DirectionalLight;
+use pelage::scene::{DirectionalLight, FibreModel, MultipleModel};
 use worlds::ball;
 
 #[test]
 fn source_and_skin_agree_with_the_twin() {
+    // Halves of up to 24: 2^-6 at most; of logarithms.
+    agreement(FibreModel::KajiyaKay, MultipleModel::Similarity, 0.02);
+}
+
+#[test]
+fn colored_scattering_agrees_with_the_twin() {
+    agreement(FibreModel::Sadeghi, MultipleModel::Similarity, 0.02);
+    agreement(FibreModel::Chiang, MultipleModel::Similarity, 0.05);
+    agreement(FibreModel::Medulla, MultipleModel::Similarity, 0.05);
+}
+
+#[test]
+fn dual_scattering_agrees_with_the_twin() {
+    // Tables are filtered with eight bits.
+    agreement(FibreModel::KajiyaKay, MultipleModel::Dual, 0.02);
+    agreement(FibreModel::Chiang, MultipleModel::Dual, 0.05);
+}
+
+#[test]
+fn transport_agrees_with_the_twin() {
+    agreement(FibreModel::KajiyaKay, MultipleModel::Transport, 0.02);
+    agreement(FibreModel::Chiang, MultipleModel::Transport, 0.05);
+}
+
+fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
     let Some(gpu) = gpu::open() else { return };
     let lit = Lit::new(
         gpu,
@@ -22,7 +47,9 @@ fn source_and_skin_agree_with_the_twin() {
             // Two key lights and two that are summed.
             s.lights.push(DirectionalLight { direction: [0.1, -0.9, 0.2], irradiance: [0.3, 0.5, 0.4] });
             s.lights.push(DirectionalLight { direction: [0.0, 0.2, -1.0], irradiance: [0.6, 0.5, 0.4] });
-            s.undercoat.specular = 0.4;
+            s.undercoat.fibre.specular = 0.4;
+            s.render.multiple.model = multiple;
+            s.undercoat.fibre.model = Some(model);
             s.undercoat.lean = 0.5;
             s.guard.comb_direction = [1.0, 0.0, 0.0];
         }),
@@ -37,10 +64,9 @@ fn source_and_skin_agree_with_the_twin() {
             let place = lit.place(column, level);
             let wanted = light.source(column, level, &place);
             let found = unpack(source[(column * (fur.levels + 1) + level) as usize]);
-            // Halves of up to 24: 2^-6 at most; of logarithms.
             let ambient = (found.log_ambient - wanted.log_ambient).abs().max_element();
             worst = worst.max(ambient);
-            assert!(ambient < 0.02, "column {column}, level {level}: {found:?} is not {wanted:?}");
+            assert!(ambient < tolerance, "column {column}, level {level}: {found:?} is not {wanted:?}");
             assert_eq!(found.key_tau, wanted.key_tau, "column {column}, level {level}");
             assert!((found.albedo - wanted.albedo).abs().max_element() < 1.1 / 1023.0);
             assert!((found.density - wanted.density).abs() < 1e-3);

@@ -1,33 +1,136 @@
-// Scattering of guard hairs. L_o = sum_j E_j f cos(theta_i); theta is the inclination from the plane normal to the tangent.
+// Scattering of hairs. L_o = sum_j E_j f cos(theta_i); theta is the inclination from the plane normal to the tangent. The model is an
+// argument that is known when a kernel is compiled. Far fields that depend on the offset across the fibre are read from a table
+// (src/fibre/table.rs): R, TT, TRT and the rest by azimuth, inclination of the eye and absorption.
 
 struct Fibre {
-    intensity: vec3f,  // R, TT, TRT
+    intensity: vec3f,       // Sadeghi: R, TT, TRT
     diffuse: f32,
-    shift: vec3f,      // radians
-    azimuth_tt: f32,   // radians
-    width: vec3f,      // radians
+    shift: vec3f,           // Sadeghi: radians
+    azimuth_tt: f32,        // radians
+    width: vec3f,           // Sadeghi: radians
     glint: f32,
-    glint_width: f32,  // radians
+    glint_width: f32,       // radians
+    specular: f32,
+    specular_exponent: f32,
+    divisor: f32,           // of the colour's logarithm, for its absorption; 0: the absorption is given
+    absorption: vec3f,      // per radius
+    padding: u32,
+    variance: vec4f,        // longitudinal, of R, TT, TRT and the rest
+    turn_sin: vec4f,        // of the shift of theta_o; with a medulla, R has the tilt itself
+    turn_cos: vec4f,
 }
+
+const MODEL_KAJIYA_KAY: u32 = 0u;
+const MODEL_SADEGHI: u32 = 1u;
+const MODEL_SADEGHI_NORMALISED: u32 = 2u;
+const MODEL_CHIANG: u32 = 3u;
+const MODEL_MEDULLA: u32 = 4u;
+
+// Azimuth of glints where no single strand is meant, radians.
+const MEAN_GLINT: f32 = 0.6544985;
 
 // Gaussian of unit height.
 fn unit_gaussian(x: f32, width: f32) -> f32 {
     return exp(-0.5 * x * x / (width * width));
 }
 
-// Single scattering R, TT, TRT of Sadeghi et al. 2010 plus the Kajiya-Kay diffuse term; times cos(theta_i).
-// `glint_angle` is the strand's own, radians. [Sadeghi2010]
-fn scatter_fibre(fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
+// Kajiya-Kay scattering of light from `l` to `v` (both leave the point), per colour; times the irradiance. The diffuse term is
+// lossless at 1/pi^2 with the sine of the incidence; the specular term sits on the mirror cone T.V = -T.L. [KajiyaKay1989]
+fn kajiya_kay(fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
+    let dot_l = dot(tangent, l);
+    let sin_l = sqrt(max(0.0, 1.0 - dot_l * dot_l));
+    var value = fibre.diffuse * 0.10132118 * sin_l;
+    if fibre.specular > 0.0 {
+        let dot_v = dot(tangent, v);
+        let mirror = sin_l * sqrt(max(0.0, 1.0 - dot_v * dot_v)) - dot_l * dot_v;
+        value += fibre.specular * pow(max(mirror, 0.0), fibre.specular_exponent) * 0.15915494;
+    }
+    return value;
+}
+
+// I0(x) e^-x, the modified Bessel function of the first kind without its growth; x >= 0.
+fn bessel_i0e(x: f32) -> f32 {
+    let t = x / 3.75;
+    let s = t * t;
+    let low = (1.0 + s * (3.5156229 + s * (3.0899424 + s * (1.2067492 + s * (0.2659732 + s * (0.0360768 + s * 0.0045813)))))) * exp(-min(x, 4.0));
+    let r = 3.75 / max(x, 3.75);
+    let high = (0.39894228 + r * (0.01328592 + r * (0.00225319 + r * (-0.00157565 + r * (0.00916281
+        + r * (-0.02057706 + r * (0.02635537 + r * (-0.01647633 + r * 0.00392377)))))))) * inverseSqrt(max(x, 3.75));
+    return select(high, low, x < 3.75);
+}
+
+// Longitudinal function; `i` and `o` are sine and cosine of the inclinations. [DEon2011]
+fn longitudinal(i: vec2f, o: vec2f, v: f32) -> f32 {
+    let product = i.y * o.y;
+    return exp((product - i.x * o.x - 1.0) / v) * bessel_i0e(product / v) / (v * (1.0 - exp(-2.0 / v)));
+}
+
+fn turned(fibre: Fibre, lobe: u32, o: vec2f) -> vec2f {
+    let s = fibre.turn_sin[lobe];
+    let c = fibre.turn_cos[lobe];
+    return vec2f(o.x * c + o.y * s, abs(o.y * c - o.x * s));
+}
+
+// Far field of a thick fibre, from its table. [Chiang2016], [Yan2017]
+fn scatter_table(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, near: sampler, i: vec2f, o: vec2f, phi: f32, tint: vec3f) -> vec3f {
+    let size = vec2f(textureDimensions(far_table));
+    let medulla = model == MODEL_MEDULLA;
+    let layers = textureNumLayers(far_table) - select(0u, 1u, medulla);
+    let theta = asin(min(abs(o.x), 1.0)) * 0.63661977;
+    let y = (theta * (size.y - 1.0) + 0.5) / size.y;
+    let at = vec2f((phi * 0.31830989 * (size.x - 1.0) + 0.5) / size.x, y);
+    var m = vec4f(0.0, longitudinal(i, turned(fibre, 1u, o), fibre.variance.y),
+        longitudinal(i, turned(fibre, 2u, o), fibre.variance.z), 0.0);
+    if medulla {
+        // R lies on the cone of the tilted surface.
+        let cos_half = cos(0.5 * phi);
+        let u = cos_half * fibre.turn_cos.x * o.y + fibre.turn_sin.x * o.x;
+        let sin_r = clamp(o.x - 2.0 * fibre.turn_sin.x * u, -1.0, 1.0);
+        m.x = longitudinal(i, vec2f(sin_r, sqrt(1.0 - sin_r * sin_r)), max(fibre.variance.x * cos_half * cos_half, 1e-4));
+        let x = select(i.x, -i.x, o.x < 0.0) * 0.5 + 0.5;
+        m.w = textureSampleLevel(far_table, near, vec2f((x * (size.x - 1.0) + 0.5) / size.x, y), layers, 0.0).x;
+    } else {
+        m.x = longitudinal(i, turned(fibre, 0u, o), fibre.variance.x);
+        m.w = longitudinal(i, o, fibre.variance.w);
+    }
+    var sigma = fibre.absorption;
+    if fibre.divisor > 0.0 {
+        let quotient = log(clamp(tint, vec3f(1e-3), vec3f(1.0))) / fibre.divisor;
+        sigma = quotient * quotient;
+    }
+    // By what a way of one diameter lets through.
+    let through = exp(-2.0 * sigma) * f32(layers - 1u);
+    var color = vec3f(0.0);
+    for (var c = 0u; c < 3u; c++) {
+        let layer = min(u32(through[c]), layers - 2u);
+        let low = textureSampleLevel(far_table, near, at, layer, 0.0);
+        let high = textureSampleLevel(far_table, near, at, layer + 1u, 0.0);
+        color[c] = dot(mix(low, high, through[c] - f32(layer)), m);
+    }
+    return color;
+}
+
+// What a hair sends from `l` to `v` (both unit, both leave it), times cos(theta_i). `glint_angle` is the strand's own, radians.
+fn scatter_fibre(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, near: sampler, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
+    if model == MODEL_KAJIYA_KAY {
+        return kajiya_kay(fibre, tangent, l, v) * tint;
+    }
     let sin_i = clamp(dot(tangent, l), -1.0, 1.0);
     let sin_o = clamp(dot(tangent, v), -1.0, 1.0);
-    let theta_i = asin(sin_i);
-    let theta_o = asin(sin_o);
-    let half_sum = 0.5 * (theta_i + theta_o);
-    let cos_d = cos(0.5 * (theta_o - theta_i));
     let lp = l - sin_i * tangent;
     let vp = v - sin_o * tangent;
     let cos_phi = clamp(dot(lp, vp) * inverseSqrt(max(dot(lp, lp) * dot(vp, vp), 1e-12)), -1.0, 1.0);
     let phi = acos(cos_phi);
+    let cos_i = sqrt(max(0.0, 1.0 - sin_i * sin_i));
+    if model >= MODEL_CHIANG {
+        let cos_o = sqrt(max(0.0, 1.0 - sin_o * sin_o));
+        return scatter_table(model, fibre, far_table, near, vec2f(sin_i, cos_i), vec2f(sin_o, cos_o), phi, tint);
+    }
+    // Single scattering R, TT, TRT plus the Kajiya-Kay diffuse term. [Sadeghi2010]
+    let theta_i = asin(sin_i);
+    let theta_o = asin(sin_o);
+    let half_sum = 0.5 * (theta_i + theta_o);
+    let cos_d = cos(0.5 * (theta_o - theta_i));
     let m_r = unit_gaussian(half_sum - fibre.shift.x, fibre.width.x);
     let m_tt = unit_gaussian(half_sum - fibre.shift.y, fibre.width.y);
     let m_trt = unit_gaussian(half_sum - fibre.shift.z, fibre.width.z);
@@ -37,6 +140,15 @@ fn scatter_fibre(fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, 
     let single = fibre.intensity.x * m_r * n_r
         + fibre.intensity.y * m_tt * n_tt * tint
         + fibre.intensity.z * m_trt * (n_r + n_g) * tint * tint;
-    let cos_i = sqrt(max(0.0, 1.0 - sin_i * sin_i));
-    return cos_i * (single / max(cos_d * cos_d, 0.05) + fibre.diffuse * 0.10132118 * tint);
+    let scattered = cos_i * (single / max(cos_d * cos_d, 0.05) + fibre.diffuse * 0.10132118 * tint);
+    if model == MODEL_SADEGHI_NORMALISED {
+        let width = f32(textureDimensions(far_table).x);
+        let x = (vec2f(theta_i, theta_o) * 0.31830989 + 0.5) * (width - 1.0) + 0.5;
+        let of_i = textureSampleLevel(far_table, near, vec2f(x.x / width, 0.5), 0, 0.0).xyz;
+        let of_o = textureSampleLevel(far_table, near, vec2f(x.y / width, 0.5), 0, 0.0).xyz;
+        let albedo_i = of_i.x + tint * (of_i.y + fibre.diffuse + tint * of_i.z);
+        let albedo_o = of_o.x + tint * (of_o.y + fibre.diffuse + tint * of_o.z);
+        return scattered / max(max(albedo_i, albedo_o), vec3f(1.0));
+    }
+    return scattered;
 }

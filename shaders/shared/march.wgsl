@@ -1,6 +1,6 @@
 // The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of fixed length, hops over
 // the neighbour table. Depth z is the ray parameter (cm along the viewing direction).
-// Needs: source (array<vec4u>), shared/volume, shared/lattice, frame.
+// Needs: source (array<vec4u>), shared/volume, shared/lattice, shared/coat, frame.
 
 struct March {
     marching: bool,   // inside the shell
@@ -60,7 +60,7 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     return sum;
 }
 
-// In-scattered radiance per albedo-weighted extinction at the place.
+// In-scattered radiance per extinction at the place.
 fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
     let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
@@ -83,9 +83,9 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
             tau[j] = nested_tau(place, x, l) * ambient.a;
         }
         let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
-        sum += fur.key_irradiance[j].rgb * through * kajiya_kay(m.tangent, l, view);
+        sum += fur.key_irradiance[j].rgb * through * scatter_coat(m.tangent, l, view, albedo);
     }
-    return vec4f(sum * albedo, ambient.a);
+    return vec4f(sum * coat_color(albedo), ambient.a);
 }
 
 // Prepares the next step: where it ends, what it holds. Where the ray has left the shell, `marching` becomes false.

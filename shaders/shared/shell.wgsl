@@ -119,3 +119,11 @@ fn subelement_centroid(id: u32, d: u32) -> vec3f {
 fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
     return (*place).cell_base + (layer << (2u * (*place).subdivision)) + id; // [Andersen2016] eq. 3
 }
+
+// How densely hairs of direction `tangent` stand at height t of the place's prism, relative to the skin: they spread over a layer of
+// another area, and the area across them is smaller than that of the layer where they lean.
+fn crowding(place: ptr<function, Place>, t: f32, tangent: vec3f) -> f32 {
+    let skin = length(cross((*place).e1, (*place).e2));
+    let layer = cross((*place).e1 + t * (*place).w1, (*place).e2 + t * (*place).w2);
+    return skin / max(dot(layer, tangent), 0.3 * max(length(layer), skin * 0.1));
+}

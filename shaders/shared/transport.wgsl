@@ -1,88 +1,88 @@
-// Multiple scattering in the coat, from the table `transport` of src/transport.rs: shares and fluxes of the four zones, then the
-// fields, the undercoat's responses and the guard hairs' responses. A matrix holds four zones of one colour a column.
-// Needs: transport (array<vec4f>).
+// Multiple scattering in the coat, from the tables of src/transport.rs as textures: `field_table` holds radiance in four zones by the
+// cosine to a light and the optical depth towards it, `response_table` what hairs send on, a kind a row; a layer for each brightness
+// of hair. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
+// Needs: field_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
 
-const TABLE_TINTS: u32 = 10u;
-const TABLE_DEPTHS: u32 = 20u;
-const TABLE_COSINES: u32 = 16u;
-const TABLE_RESPONSE: u32 = 2u + TABLE_TINTS * TABLE_DEPTHS * TABLE_COSINES;
-const TABLE_GUARD: u32 = TABLE_RESPONSE + TABLE_TINTS * TABLE_COSINES;
+// How light scattered by more than one hair is found, fixed when a kernel is compiled.
+override MULTIPLE: u32 = 0u;
+const MULTIPLE_DUAL: u32 = 1u;
+const MULTIPLE_TRANSPORT: u32 = 2u;
 
-// Place in a table of `count` entries: the entry below and the weight of the next.
-struct TablePlace {
-    index: u32,
-    part: f32,
+const ROW_HEAD: i32 = 0;   // shares of the sphere, fluxes, weights of what is scattered on and back, along the row
+const ROW_COAT: i32 = 1;   // zones, by the cosine of the view to the normal
+const ROW_GUARD: i32 = 2;  // mean, along the hair, across it, by the sine of the view's inclination
+const ROW_DUAL_COAT: i32 = 3;   // two rows, by the sine of the difference angle
+const ROW_DUAL_GUARD: i32 = 5;
+
+// Texture coordinate of the place `x` (0..1) between the centres of the first and the last of `count` texels.
+fn table_coordinate(x: f32, count: u32) -> f32 {
+    return (clamp(x, 0.0, 1.0) * f32(count - 1u) + 0.5) / f32(count);
 }
 
-fn table_place(x: f32, count: u32) -> TablePlace {
-    let scaled = clamp(x, 0.0, 1.0) * f32(count - 1u);
-    let index = min(u32(scaled), count - 2u);
-    return TablePlace(index, scaled - f32(index));
+// The layer below a brightness and the weight of the next.
+fn tint_layers(tint: f32) -> vec2f {
+    let last = f32(textureNumLayers(response_table) - 1u);
+    let at = clamp(1.0 - sqrt(max(1.0 - tint, 0.0)), 0.0, 1.0) * last;
+    let layer = min(floor(at), last - 1.0);
+    return vec2f(layer, at - layer);
 }
 
-fn tint_place(tint: f32) -> TablePlace {
-    return table_place(1.0 - sqrt(max(1.0 - tint, 0.0)), TABLE_TINTS);
+// Entry of a row for hair of one colour at `x` (0..1).
+fn response_entry(row: i32, tint: f32, x: f32) -> vec4f {
+    let size = textureDimensions(response_table);
+    let at = vec2f(table_coordinate(x, size.x), (f32(row) + 0.5) / f32(size.y));
+    let t = tint_layers(tint);
+    return mix(textureSampleLevel(response_table, table_sampler, at, i32(t.x), 0.0),
+        textureSampleLevel(response_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
 }
 
-// Entry of a table [tint][cosine] for one colour.
-fn table_entry(base: u32, tint: f32, at: TablePlace) -> vec4f {
-    let t = tint_place(tint);
-    let i = base + t.index * TABLE_COSINES + at.index;
-    let low = mix(transport[i], transport[i + 1u], at.part);
-    let high = mix(transport[i + TABLE_COSINES], transport[i + TABLE_COSINES + 1u], at.part);
-    return mix(low, high, t.part);
+fn table_head(k: i32) -> vec4f {
+    return textureLoad(response_table, vec2i(k, ROW_HEAD), 0, 0);
 }
 
-fn field_entry(tint: f32, depth: TablePlace, light: TablePlace) -> vec4f {
-    let t = tint_place(tint);
-    var sides = array<vec4f, 2>();
-    for (var k = 0u; k < 2u; k++) {
-        let i = 2u + ((t.index + k) * TABLE_DEPTHS + depth.index) * TABLE_COSINES + light.index;
-        let low = mix(transport[i], transport[i + 1u], light.part);
-        let high = mix(transport[i + TABLE_COSINES], transport[i + TABLE_COSINES + 1u], light.part);
-        sides[k] = mix(low, high, depth.part);
-    }
-    return mix(sides[0], sides[1], t.part);
+fn field_entry(tint: f32, at: vec2f) -> vec4f {
+    let t = tint_layers(tint);
+    return mix(textureSampleLevel(field_table, table_sampler, at, i32(t.x), 0.0),
+        textureSampleLevel(field_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
 }
 
 // Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal, for an irradiance of 1.
 fn scattered_field(tint: vec3f, tau: f32, mu: f32) -> mat3x4f {
-    let depth = table_place(sqrt(tau / TAU_BLOCKED), TABLE_DEPTHS);
-    let light = table_place(mu, TABLE_COSINES);
-    return mat3x4f(field_entry(tint.r, depth, light), field_entry(tint.g, depth, light), field_entry(tint.b, depth, light));
+    let size = textureDimensions(field_table);
+    let at = vec2f(table_coordinate(mu, size.x), table_coordinate(sqrt(tau / TAU_BLOCKED), size.y));
+    return mat3x4f(field_entry(tint.r, at), field_entry(tint.g, at), field_entry(tint.b, at));
 }
 
 // Radiance that undercoat sends to a view of cosine `mu` to the normal, by its extinction.
 fn coat_response(tint: vec3f, mu: f32, field: mat3x4f) -> vec3f {
-    let view = table_place(0.5 * mu + 0.5, TABLE_COSINES);
-    return vec3f(dot(table_entry(TABLE_RESPONSE, tint.r, view), field[0]), dot(table_entry(TABLE_RESPONSE, tint.g, view), field[1]),
-        dot(table_entry(TABLE_RESPONSE, tint.b, view), field[2]));
+    let x = 0.5 * mu + 0.5;
+    return vec3f(dot(response_entry(ROW_COAT, tint.r, x), field[0]), dot(response_entry(ROW_COAT, tint.g, x), field[1]),
+        dot(response_entry(ROW_COAT, tint.b, x), field[2]));
 }
 
 // Mean radiance of a field.
 fn field_mean(field: mat3x4f) -> vec3f {
-    return transport[0] * field;
+    return table_head(0) * field;
 }
 
 // Slope of a field's radiance over the cosine to the normal.
 fn field_slope(field: mat3x4f) -> vec3f {
-    return 1.5 * (transport[1] * field);
+    return 1.5 * (table_head(1) * field);
 }
 
 // What falls on the skin.
 fn field_irradiance(field: mat3x4f) -> vec3f {
-    return 6.2831853 * (vec4f(transport[1].xy, 0.0, 0.0) * field);
+    return 6.2831853 * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
 }
 
 // Radiance that a guard hair sends to `view` where the field has this mean, and this slope along `normal`.
 fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, mean: vec3f, slope: vec3f) -> vec3f {
     let sin_o = dot(tangent, view);
     let across = normalize(view - sin_o * tangent + 1e-6 * normal);
-    let at = table_place(0.5 * sin_o + 0.5, TABLE_COSINES);
     let axis = vec4f(0.0, dot(tangent, normal), dot(across, normal), 0.0);
     var radiance = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let entry = table_entry(TABLE_GUARD, tint[c], at);
+        let entry = response_entry(ROW_GUARD, tint[c], 0.5 * sin_o + 0.5);
         radiance[c] = max(0.0, entry.x * mean[c] + dot(entry, axis) * slope[c]);
     }
     return radiance;

@@ -4,11 +4,11 @@
 #import shared/undercoat_types
 
 struct Medium {
-    density: f32,   // relative to the mean, 0..2.5
+    density: f32,   // relative to the skin's mean, 0..4
     tangent: vec3f, // unit
 }
 
-const DENSITY_RANGE: f32 = 2.5;
+const DENSITY_RANGE: f32 = 4.0;
 
 fn pack_medium(m: Medium) -> u32 {
     let oct = vec2u(round((octahedral_encode(m.tangent) * 0.5 + 0.5) * 1023.0));
@@ -30,16 +30,4 @@ fn sine(a: vec3f, b: vec3f) -> f32 {
 // Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
 fn extinction(m: Medium, w: vec3f) -> f32 {
     return fur.extinction * m.density * select(sine(m.tangent, w), 0.7853982, fur.isotropic == 1u);
-}
-
-// Kajiya-Kay scattering of light from `l` to `v` (both leave the point), per albedo; times the irradiance. The diffuse term is
-// lossless at 1/pi^2 with the sine of the incidence; the specular term sits on the mirror cone T.V = -T.L.
-fn kajiya_kay(tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
-    let sin_l = sine(tangent, l);
-    var value = fur.diffuse * 0.10132118 * sin_l;
-    if fur.specular > 0.0 {
-        let mirror = sin_l * sine(tangent, v) - dot(tangent, l) * dot(tangent, v);
-        value += fur.specular * pow(max(mirror, 0.0), fur.specular_exponent) * 0.15915494;
-    }
-    return value;
 }

@@ -19,9 +19,6 @@ struct Fur {
     light_step: f32,           // of the light march, cm
     height: f32,               // largest shell height, cm
     lean: vec3f,               // comb direction times tangent of the lean
-    diffuse: f32,
-    specular: f32,
-    specular_exponent: f32,
     forward_scattering: f32,
     isotropic: u32,            // 1: extinction does not depend on the angle to the hairs (paper)
     // Light lattice
@@ -37,8 +34,8 @@ struct Fur {
     virtual_fragments: u32,
     density: f32,              // mean density, 1/cm2
     attenuation: f32,          // a of eq. 4, 1/cm
+    tau_stride: u32,           // words of the buffer `tau` a node
     key_lights: vec2u,         // their numbers among the lights
-    padding: vec2u,
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,
 }

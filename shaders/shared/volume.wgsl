@@ -11,7 +11,9 @@ fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium
         let corner = 3u * (*place).prism;
         p = vec3f(l.x * uv_of_corner(corner) + l.y * uv_of_corner(corner + 1u) + l.z * uv_of_corner(corner + 2u), 0.0);
     }
-    return evaluate_medium(p, normal, t, hash2((*place).prism, (layer << 16u) | id));
+    var medium = evaluate_medium(p, normal, t, hash2((*place).prism, (layer << 16u) | id));
+    medium.density *= crowding(place, t, medium.tangent);
+    return medium;
 }
 
 // Whether the volume is stored or evaluated: fixed when the kernel is compiled, for an untaken branch is not free everywhere.

@@ -19,7 +19,7 @@ pub(super) struct SceneArgs {
     define: Vec<String>,
     /// Samples a pixel.
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
-    spp: Option<u32>,
+    pub spp: Option<u32>,
     /// Seed of everything random.
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     seed: Option<u32>,
@@ -32,9 +32,9 @@ pub(super) struct SceneArgs {
     /// Virtual fragments a ray, for --blend virtual.
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     virtual_fragments: Option<u32>,
-    /// GPU memory budget, e.g. 1GiB or 512MiB.
+    /// Memory budget, e.g. 1GiB or 512MiB: of the GPU; for a reference main memory, 8GiB where not given.
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Scene overrides")]
-    memory: Option<u64>,
+    pub memory: Option<u64>,
     /// Edge of a tile, samples.
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     tile: Option<u32>,

@@ -3,14 +3,22 @@
 use super::{
     Global,
     args::SceneArgs,
-    output::{self, count},
+    output::{self, count, human_bytes},
 };
-use crate::{Result, World, files, mesh, render};
+use crate::{
+    Error, Result, World,
+    export::{self, EnvironmentAs, Target},
+    files, groom, mesh,
+    pathtrace::strands::{Hair, Layer, Strands},
+    render,
+    scene::Color,
+};
 use clap::Args;
+use glam::Vec3;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
-#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["strands", "mesh"]))]
+#[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["strands", "mesh", "to"]))]
 pub(super) struct ExportArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -20,11 +28,24 @@ pub(super) struct ExportArgs {
     /// Write the skin, in world space, cm.
     #[arg(long, value_name = "FILE.obj")]
     mesh: Option<PathBuf>,
+    /// Write the whole scene with every hair for another renderer; what it cannot express stands as comments in the scene file.
+    #[arg(long, value_enum, value_name = "TARGET", requires = "folder")]
+    to: Option<Target>,
+    /// The folder for --to; made where only it is missing.
+    #[arg(short = 'o', long, value_name = "FOLDER", requires = "to")]
+    folder: Option<PathBuf>,
+    /// What the environment becomes for --to.
+    #[arg(long, value_enum, value_name = "AS", default_value = "map", requires = "to")]
+    environment: EnvironmentAs,
 }
 
 pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     args.strands.iter().chain(&args.mesh).try_for_each(|path| files::check_target(path))?;
+    let whole = args.to.zip(args.folder.as_ref());
+    if let Some((target, folder)) = whole {
+        export::check_folder(folder, target)?;
+    }
     let world = World::load(scene, &assets)?;
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {
@@ -36,5 +57,43 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
         hair.write(path)?;
         say(format!("{}: {} guard hairs\n", path.display(), count(hair.segments.len() as u64)))?;
     }
+    if let Some((target, folder)) = whole {
+        let strands = strands_of(&world)?;
+        let mut bytes = 0;
+        for file in export::write(&world, &strands, &assets, target, args.environment, folder)? {
+            bytes += file.bytes;
+            let holds = if file.holds.is_empty() { "open this".into() } else { file.holds };
+            say(format!("{}: {}, {holds}\n", file.path.display(), human_bytes(file.bytes)))?;
+        }
+        say(format!("together {}\n", human_bytes(bytes)))?;
+    }
     Ok(())
+}
+
+/// The hairs of `world`, a layer each.
+fn strands_of(world: &World) -> Result<Vec<Strands>> {
+    if !groom::has_guard(&world.scene) {
+        return Ok(Vec::new());
+    }
+    let guard = &world.scene.guard;
+    let file = render::strands(world)?;
+    let segments = usize::from(file.segments.first().copied().unwrap_or(1));
+    if file.segments.iter().any(|s| usize::from(*s) != segments) {
+        return Err(Error::Check("the strands have different numbers of segments".into()));
+    }
+    let color = |c: &Color| match c {
+        Color::Constant(c) => Vec3::from(*c),
+        Color::Mapped(map) => Vec3::from(map.value),
+    };
+    let (color_root, color_tip) = (color(&guard.color_root), color(&guard.color_tip));
+    let points = file.points.iter().zip(&file.thickness).map(|(p, d)| p.extend(0.5 * d)).collect();
+    let opacity = file.transparency.iter().take(segments + 1).map(|t| 1.0 - t).collect();
+    Ok(vec![Strands {
+        layer: Layer::Guard,
+        segments,
+        points,
+        hairs: vec![Hair { color_root, color_tip, glint_angle: 0.0, present: u64::MAX }; file.segments.len()],
+        opacity,
+        color_transition: guard.color_transition,
+    }])
 }

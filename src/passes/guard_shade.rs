@@ -1,5 +1,6 @@
 //! Step 3: shading of the guard hairs at their vertices.
 
+use super::Variant;
 use crate::Result;
 use crate::gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -13,8 +14,10 @@ impl GuardShade {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "guard_shade", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self {
+            main: Kernel::specialised(gpu, "guard_shade", "main", &[variant.guard(), variant.multiple()])?,
+        })
     }
 
     /// Fills `shades` for `strands` strands.

@@ -1,5 +1,6 @@
 //! Shells and fins: rows of vertices above the skin, and their light.
 
+use super::Variant;
 use crate::Result;
 use crate::gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -13,8 +14,10 @@ impl ShellfinRows {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "shellfin_rows", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self {
+            main: Kernel::specialised(gpu, "shellfin_rows", "main", &[variant.guard(), variant.coat()])?,
+        })
     }
 
     /// Writes `row_positions` and `row_lights`, `rows` times the skin's `vertices`.

@@ -1,5 +1,6 @@
 //! Step 2: what the march looks up of the lights.
 
+use super::Variant;
 use crate::Result;
 use crate::gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -13,8 +14,15 @@ impl UndercoatSource {
     ///
     /// # Errors
     /// [`crate::Error::Gpu`] with file and line of a fault in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "undercoat_source", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self {
+            main: Kernel::specialised(
+                gpu,
+                "undercoat_source",
+                "main",
+                &[variant.coat(), variant.multiple()],
+            )?,
+        })
     }
 
     /// Fills `source` and `base_light`.

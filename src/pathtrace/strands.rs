@@ -43,6 +43,18 @@ pub struct Hair {
 }
 
 impl Strands {
+    /// Opaque strands of parts that were grown apart, in their order.
+    pub(super) fn joined(layer: Layer, segments: usize, parts: Vec<(Vec<Vec4>, Vec<Hair>)>) -> Self {
+        let count = parts.iter().map(|(_, hairs)| hairs.len()).sum();
+        let mut points = Vec::with_capacity(count * (segments + 1));
+        let mut hairs = Vec::with_capacity(count);
+        for (of_points, of_hairs) in parts {
+            points.extend(of_points);
+            hairs.extend(of_hairs);
+        }
+        Self { layer, segments, points, hairs, opacity: Vec::new(), color_transition: [0.5, 1.0] }
+    }
+
     /// Colour of hair `i` at `s` (0 root, 1 tip), linear RGB in 0..1.
     pub fn color(&self, i: usize, s: f32) -> Vec3 {
         let hair = &self.hairs[i];

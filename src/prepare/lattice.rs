@@ -98,7 +98,7 @@ impl Lattice {
 }
 
 /// Numbers of the edges opposite each corner, the same from both sides, and how many there are.
-pub(super) fn number_edges(skin: &Skin) -> (Vec<[u32; 3]>, u32) {
+pub(crate) fn number_edges(skin: &Skin) -> (Vec<[u32; 3]>, u32) {
     let mut known = std::collections::HashMap::with_capacity(2 * skin.triangles.len());
     let numbers = skin
         .triangles

@@ -4,7 +4,7 @@ use crate::layout::ShellVertex;
 use crate::{Skin, World};
 use glam::Vec3;
 
-pub(super) fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
+pub(crate) fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
     match &skin.corner_uv {
         Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),
         None => vec![[0.0; 2]; 3 * skin.triangles.len()],
@@ -24,7 +24,7 @@ pub(crate) fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     of_vertex
 }
 
-pub(super) fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
+pub(crate) fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
     let normals = shell_normals(skin, height);
     (0..skin.positions.len())
         .map(|i| {
@@ -44,7 +44,7 @@ pub(super) fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
 ///
 /// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
 /// nothing pops. Andersen et al. 2016, sec. 3 calls this dynamic resolution and does not state its criterion.
-pub(super) fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
+pub(crate) fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
     let coat = &world.scene.undercoat;
     let layers = u64::from(coat.layers);
     let mut base = 0u64;

@@ -1,13 +1,15 @@
 //! Twin of `shaders/guard_shade.wgsl`: shading of the guard hairs at their vertices.
 
-use super::fibre::scatter;
 use super::groom::{Maps, Parameter, skin_point};
 use super::hash::random;
 use super::lattice::{cell, node_index};
 use super::shell::Located;
 use super::strands::{position, tangent};
 use super::undercoat_source::Lattice;
-use crate::layout::{Fibre, Root};
+use crate::fibre::{Angles, Fibre, Hit};
+use crate::layout::Root;
+use crate::pathtrace::strands::Layer;
+use crate::scene::MultipleModel;
 use glam::Vec3;
 
 /// Optical depth to the eye behind which a vertex is not shaded.
@@ -66,8 +68,26 @@ pub fn shade(
                 0 => (-tau(j) * (1.0 - fur.forward_scattering * tint)).exp(),
                 _ => Vec3::ONE,
             };
-            let scattered = scatter(fibre, along, Vec3::from(l.direction), view, tint, glint_angle);
+            let scattered = fibre.scatter_far(
+                &Hit { tint, glint_angle, h: 0.0 },
+                &Angles::around(along, Vec3::from(l.direction), view),
+            );
             radiance += Vec3::from(l.irradiance) * through * scattered;
+            if let (MultipleModel::Dual, Some(table)) = (light.multiple, light.table) {
+                let to_light = Vec3::from(l.direction);
+                let of_light = table.dual_scatter(Layer::Guard, tint, along, to_light, view, tau(j));
+                radiance += Vec3::from(l.irradiance) * of_light;
+            }
+        }
+        if let (MultipleModel::Transport, Some(table)) = (light.multiple, light.table) {
+            let mut scattered = [Vec3::ZERO; 2];
+            for c in 0..3 {
+                let node = node_index(fur, cell.columns[c], cell.level);
+                let [low, high] = [node, node + 1].map(|node| light.scattered(node));
+                (0..2).for_each(|k| scattered[k] += cell.weights[c] * low[k].lerp(high[k], cell.fraction));
+            }
+            let normal = place.extrusion(place.lambda).normalize();
+            radiance += table.guard_response(tint, along, view, normal, scattered);
         }
         if groom.paper == 1 {
             // [Andersen2016] sec. 3.1

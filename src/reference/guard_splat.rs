@@ -5,6 +5,7 @@ use super::shell::{Located, Shell};
 use super::strands::{position, radius};
 use super::undercoat::Undercoat;
 use crate::layout::{Column, Fur, Root};
+use glam::Vec3;
 
 /// Deposits a segment.
 const PARTS: u32 = 2;
@@ -62,5 +63,8 @@ pub fn extinction(coat: &Undercoat<'_>, column: &Column, level: u32, deposit: f6
         return [0.0, guard];
     }
     let p = coat.domain_point(&place, place.lambda);
-    [fur.extinction * column.density * coat.clump_density(p, p, place.t), guard]
+    let t = place.t;
+    let tangent = (place.extrusion(place.lambda).normalize() + Vec3::from(fur.lean) * t).normalize();
+    let density = column.density * coat.clump_density(p, p, t) * place.crowding(t, tangent);
+    [fur.extinction * density, guard]
 }

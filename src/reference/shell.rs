@@ -176,6 +176,14 @@ impl Place {
         self.v0 + lambda.y * self.w1 + lambda.z * self.w2
     }
 
+    /// How densely hairs of direction `tangent` stand at height `t`, relative to the skin: they spread over a layer of another area,
+    /// and the area across them is smaller than that of the layer where they lean.
+    pub fn crowding(&self, t: f32, tangent: Vec3) -> f32 {
+        let skin = self.e1.cross(self.e2).length();
+        let layer = (self.e1 + t * self.w1).cross(self.e2 + t * self.w2);
+        skin / layer.dot(tangent).max(0.3 * layer.length().max(0.1 * skin))
+    }
+
     /// The point relative to corner 0 and the two edges of the triangle at height t.
     fn frame_at(&self, x: Vec3, t: f32) -> (Vec3, Vec3, Vec3) {
         (x - self.p0 - t * self.v0, self.e1 + t * self.w1, self.e2 + t * self.w2)

@@ -1,11 +1,11 @@
 //! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the skin, and how it is lit there.
 
-use super::fibre::scatter;
 use super::film::halves;
 use super::groom::{Maps, Parameter, SkinPoint, unpack_color};
-use super::lattice::tau_pairs;
-use super::undercoat::kajiya_kay;
-use crate::layout::{Brush, Fibre, Frame, Fur, Light, ShellRow, ShellVertex, Shellfin};
+use super::undercoat::scatter;
+use crate::fibre::table::MEAN_GLINT;
+use crate::fibre::{Angles, Fibre, Hit};
+use crate::layout::{Brush, Frame, Fur, Light, ShellRow, ShellVertex, Shellfin};
 use crate::scene::LightingTable;
 use crate::shellfin::hair_lighting;
 use glam::{Vec2, Vec3};
@@ -23,6 +23,8 @@ pub struct Hair<'a> {
     pub lights: &'a [Light],
     /// Scattering of guard hairs.
     pub fibre: &'a Fibre,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
     /// Lighting by table.
     pub table: &'a LightingTable,
     /// The skin's vertices.
@@ -109,7 +111,7 @@ impl Hair<'_> {
         let level = (x as u32).min(fur.levels - 1);
         let at = |level: u32| {
             let node = v as u32 * (fur.levels + 1) + level;
-            halves(self.tau[(node * tau_pairs(fur) + light / 2) as usize])[light as usize & 1]
+            halves(self.tau[(node * fur.tau_stride + light / 2) as usize])[light as usize & 1]
         };
         let f = x - level as f32;
         at(level) * (1.0 - f) + at(level + 1) * f
@@ -157,19 +159,25 @@ impl Hair<'_> {
                 Vec3::from(light.irradiance) * (-depth * attenuation).exp()
             };
             if light.undercoat == 1 {
-                undercoat += through(row.undercoat) * kajiya_kay(self.fur, lean, l, view);
+                undercoat += through(row.undercoat) * scatter(self.coat, lean, l, view, row.undercoat.into());
             }
             if self.shellfin.guard == 1 {
                 for k in 0..4 {
                     let turn = FRAC_PI_4 + FRAC_PI_2 * k as f32;
                     let away = turn.cos() * side + turn.sin() * other;
                     let t = (tangent + 1.25 * self.shellfin.spread * away).normalize();
-                    let scattered = scatter(self.fibre, t, l, view, row.guard.into(), 37.5f32.to_radians());
+                    let scattered = self.fibre.scatter_far(
+                        &Hit { tint: row.guard.into(), glint_angle: MEAN_GLINT, h: 0.0 },
+                        &Angles::around(t, l, view),
+                    );
                     guard += 0.25 * through(row.guard) * scattered;
                 }
             }
         }
         let guard = guard / Vec3::from(row.guard).max(Vec3::splat(1e-3));
+        if !matches!(self.coat, Fibre::KajiyaKay(_)) {
+            undercoat /= Vec3::from(row.undercoat).max(Vec3::splat(1e-3));
+        }
         RowVertex { position, tangent, lean, undercoat, guard }
     }
 }

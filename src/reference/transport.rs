@@ -1,6 +1,7 @@
 //! Twin of `shaders/shared/transport.wgsl`: lookups in the table of multiple scattering.
 
-use crate::transport::{COSINES, DEEPEST, DEPTHS, TINTS, Table};
+use crate::pathtrace::strands::Layer;
+use crate::transport::{COSINES, DEEPEST, DEPTHS, TINTS, Table, dual};
 use glam::{Vec3, Vec4};
 
 /// Radiance in the four zones, for each colour.
@@ -60,6 +61,18 @@ impl Table {
     pub fn field_irradiance(&self, field: &Field) -> Vec3 {
         let [high, low, ..] = self.flux;
         Vec3::from_array(field.map(|f| std::f32::consts::TAU * (high * f.x + low * f.y)))
+    }
+
+    /// Light scattered more than once from `l` to `v` by a hair with the optical depth `tau` towards `l`, for an irradiance of 1.
+    pub fn dual_scatter(&self, layer: Layer, tint: Vec3, tangent: Vec3, l: Vec3, v: Vec3, tau: f32) -> Vec3 {
+        let [theta_i, theta_o] = [l, v].map(|w| tangent.dot(w).clamp(-1.0, 1.0).asin());
+        let at = place(0.5 * (0.5 * (theta_o - theta_i)).sin() + 0.5, COSINES);
+        let table = &self.dual[usize::from(layer == Layer::Guard)];
+        let rows = [0, 1].map(|k| table.iter().skip(k).step_by(2).copied().collect::<Vec<_>>());
+        Vec3::from_array([0, 1, 2].map(|c| {
+            let entries = [0, 1].map(|k| entry(&rows[k], tint[c], at).to_array());
+            dual::scatter(entries, [theta_i, theta_o], tau, self.dual_density)
+        }))
     }
 
     /// Radiance that a guard hair sends to `view` where the field has this mean, and this slope along `normal`.

@@ -4,20 +4,22 @@ use super::hash::{hash2, random, random_direction};
 use super::noise::Field;
 use super::octahedral;
 use super::shell::{Place, Shell, subelement, subelement_centroid};
+use crate::fibre::table::MEAN_GLINT;
+use crate::fibre::{Angles, Fibre, Hit};
 use crate::layout::Fur;
 use glam::{Vec2, Vec3};
 
 /// Density and tangent of a subelement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium {
-    /// Relative to the mean, 0..2.5.
+    /// Relative to the skin's mean, 0..4.
     pub density: f32,
     /// Unit.
     pub tangent: Vec3,
 }
 
 /// Largest density that is stored.
-pub const DENSITY_RANGE: f32 = 2.5;
+pub const DENSITY_RANGE: f32 = 4.0;
 
 /// 12 bits of density, 10 bits a coordinate of the octahedral tangent.
 pub fn pack_medium(m: Medium) -> u32 {
@@ -47,17 +49,19 @@ pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
     fur.extinction * m.density * shown
 }
 
-/// Scattering of light from `l` to `v` (both leave the point), per albedo; times the irradiance.
-/// The diffuse term is lossless at 1/pi^2, the specular term sits on the mirror cone T.V = -T.L.
-pub fn kajiya_kay(fur: &Fur, tangent: Vec3, l: Vec3, v: Vec3) -> f32 {
-    use std::f32::consts::{PI, TAU};
-    let sin_l = sine(tangent, l);
-    let mut value = fur.diffuse / (PI * PI) * sin_l;
-    if fur.specular > 0.0 {
-        let mirror = sin_l * sine(tangent, v) - tangent.dot(l) * tangent.dot(v);
-        value += fur.specular * mirror.max(0.0).powf(fur.specular_exponent) / TAU;
+/// Scattering of light from `l` to `v` (both leave the point) by a hair of colour `tint`; times the irradiance. Kajiya-Kay's is
+/// without the colour, see [`color`].
+pub fn scatter(coat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
+    let angles = Angles::around(tangent, l, v);
+    match coat {
+        Fibre::KajiyaKay(model) => Vec3::splat(model.scatter(&angles)),
+        _ => coat.scatter_far(&Hit { tint, glint_angle: MEAN_GLINT, h: 0.0 }, &angles),
     }
-    value
+}
+
+/// Factor on what [`scatter`] gives.
+pub fn color(coat: &Fibre, tint: Vec3) -> Vec3 {
+    if matches!(coat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
 }
 
 /// Hermite interpolation between two edges, as in WGSL.
@@ -139,7 +143,9 @@ impl Undercoat<'_> {
         let l = subelement_centroid(id, place.subdivision);
         let t = (layer as f32 + 0.5) / self.fur.layers as f32;
         let normal = place.extrusion(l).normalize();
-        self.evaluate(self.domain_point(place, l), normal, t, hash2(place.prism, (layer << 16) | id))
+        let id = hash2(place.prism, (layer << 16) | id);
+        let medium = self.evaluate(self.domain_point(place, l), normal, t, id);
+        Medium { density: medium.density * place.crowding(t, medium.tangent), ..medium }
     }
 
     /// Medium at a place: of its subelement.

@@ -4,8 +4,9 @@
 use super::film::halves;
 use super::lattice::{self, unpack_albedo};
 use super::shell::{Located, Place};
-use super::undercoat::{Medium, Undercoat, extinction, kajiya_kay};
+use super::undercoat::{Medium, Undercoat, color, extinction, scatter};
 use crate::camera::FLAG_MARCH_JITTER;
+use crate::fibre::Fibre;
 use crate::layout::Frame;
 use glam::{Vec3, Vec4};
 
@@ -28,6 +29,8 @@ pub struct Scenery<'a> {
     pub source: &'a [[u32; 4]],
     /// The view.
     pub frame: &'a Frame,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
 }
 
 /// A part of a ray in which the medium is even.
@@ -132,9 +135,10 @@ pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Ve
     for j in 0..fur.keys as usize {
         let l = Vec4::from(fur.key_direction[j]).truncate();
         let through = (-found.tau[j] * (1.0 - fur.forward_scattering * found.albedo)).exp();
-        sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * kajiya_kay(fur, m.tangent, l, view);
+        let scattered = scatter(scenery.coat, m.tangent, l, view, found.albedo);
+        sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * scattered;
     }
-    (sum * found.albedo, found.density)
+    (sum * color(scenery.coat, found.albedo), found.density)
 }
 
 /// A fragment of the undercoat.

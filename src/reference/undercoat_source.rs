@@ -3,15 +3,20 @@
 use super::film::halves;
 use super::lattice::{node_index, tau_pairs, unpack_albedo};
 use super::shell::{Place, Shell};
-use super::undercoat::kajiya_kay;
+use super::transport::Field;
+use super::undercoat::{color, scatter};
+use crate::fibre::Fibre;
 use crate::layout::{Column, Frame, Fur, Light};
+use crate::pathtrace::strands::Layer;
+use crate::scene::MultipleModel;
+use crate::transport::Table;
 use glam::Vec3;
 use std::f32::consts::FRAC_1_PI;
 
 /// Light at a node of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// log2 of the radiance by all lights that are no key lights, per albedo; at least that of 1e-7.
+    /// log2 of the radiance by all lights that are no key lights, of Kajiya-Kay per albedo; at least that of 1e-7.
     pub log_ambient: Vec3,
     /// Relative density of the undercoat.
     pub density: f32,
@@ -48,12 +53,38 @@ pub struct Lattice<'a> {
     pub tau: &'a [u32],
     /// The view.
     pub frame: &'a Frame,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
+    /// How light scattered by more than one hair is found.
+    pub multiple: MultipleModel,
+    /// The table for it, if it takes one.
+    pub table: Option<&'a Table>,
 }
 
 impl Lattice<'_> {
     /// Optical depth of a node to a light (or to the eye, behind the last light).
     pub fn tau(&self, node: u32, light: u32) -> f32 {
-        halves(self.tau[(node * tau_pairs(self.fur) + light / 2) as usize])[light as usize & 1]
+        halves(self.tau[(node * self.fur.tau_stride + light / 2) as usize])[light as usize & 1]
+    }
+
+    /// Mean and slope over the cosine to the normal of the scattered radiance at a node.
+    pub fn scattered(&self, node: u32) -> [Vec3; 2] {
+        let first = (node * self.fur.tau_stride + tau_pairs(self.fur)) as usize;
+        let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
+        [Vec3::new(a, b, c), Vec3::new(d, e, f)]
+    }
+
+    /// Scattered radiance at a node by all lights of the undercoat; with transport only.
+    pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
+        let mut field = Field::default();
+        if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
+            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                let mu = normal.dot(Vec3::from(light.direction));
+                let of_light = table.scattered_field(albedo, self.tau(node, j), mu);
+                (0..3).for_each(|c| field[c] += light.irradiance[c] * of_light[c]);
+            }
+        }
+        field
     }
 
     fn normal(&self, place: &Place) -> Vec3 {
@@ -79,9 +110,27 @@ impl Lattice<'_> {
             if light.undercoat == 1 && !keys.contains(&j) {
                 let through = (-self.tau(node, j) * attenuation).exp();
                 let l = Vec3::from(light.direction);
-                ambient += Vec3::from(light.irradiance) * through * kajiya_kay(fur, tangent, l, view);
+                ambient +=
+                    Vec3::from(light.irradiance) * through * scatter(self.coat, tangent, l, view, albedo);
             }
         }
+        let mut scattered = Vec3::ZERO;
+        match (self.multiple, self.table) {
+            (MultipleModel::Transport, Some(table)) => {
+                let normal = self.normal(place);
+                scattered = table.coat_response(albedo, normal.dot(view), &self.field(node, normal, albedo));
+            }
+            (MultipleModel::Dual, Some(table)) => {
+                for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                    let l = Vec3::from(light.direction);
+                    let of_light =
+                        table.dual_scatter(Layer::Undercoat, albedo, tangent, l, view, self.tau(node, j));
+                    scattered += Vec3::from(light.irradiance) * of_light;
+                }
+            }
+            _ => {}
+        }
+        ambient += scattered / color(self.coat, albedo).max(Vec3::splat(1e-3));
         let mut key_tau = [0.0; 2];
         key_tau.iter_mut().zip(keys).for_each(|(tau, j)| *tau = self.tau(node, *j));
         Source {
@@ -102,6 +151,10 @@ impl Lattice<'_> {
         for (j, light) in (0..self.fur.lights).zip(self.lights) {
             let facing = normal.dot(Vec3::from(light.direction)).max(0.0);
             sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
+        }
+        if let Some(table) = self.table {
+            let field = self.field(node, normal, unpack_albedo(of_column.color_root));
+            sum += table.field_irradiance(&field);
         }
         sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
     }

@@ -73,21 +73,8 @@ impl Default for Guard {
             color_variation: 0.25,
             opacity: 1.0,
             tip_fade: 0.0,
-            fibre: GuardFibre::default(),
+            fibre: FibreSpec::default(),
             root_darkening: [0.85, 0.25],
-        }
-    }
-}
-
-impl Default for GuardFibre {
-    fn default() -> Self {
-        Self {
-            intensity: [0.08, 0.5, 0.06],
-            shift: [-7.5, 3.75, 11.25],
-            width: [7.5, 6.0, 15.0],
-            azimuth_tt: 20.0,
-            glint: [0.3, 8.0],
-            diffuse: 0.7,
         }
     }
 }
@@ -112,9 +99,7 @@ impl Default for Undercoat {
             lean: 0.0,
             color_root: [0.42, 0.30, 0.22].into(),
             color_tip: [0.62, 0.47, 0.34].into(),
-            diffuse: 1.0,
-            specular: 0.0,
-            specular_exponent: 12.0,
+            fibre: FibreSpec::default(),
             forward_scattering: 0.6,
             storage: Storage::Auto,
             step: 0.9,
@@ -147,10 +132,17 @@ impl Default for RenderSpec {
             virtual_fragments: 30,
             simplified_attenuation: 4.0,
             shading: Shading::Physical,
+            multiple: MultipleScattering::default(),
             light: LightLookup::Lattice,
             seed: 0,
             tile: None,
             memory: 1 << 30,
         }
+    }
+}
+
+impl Default for MultipleScattering {
+    fn default() -> Self {
+        Self { model: MultipleModel::default(), forward: true, backward: true, density: [0.7; 2] }
     }
 }

@@ -4,6 +4,7 @@
 //! what the loader checks files against.
 
 pub use super::animation::*;
+pub use super::fibre::*;
 pub use super::output::*;
 pub use super::shellfin::*;
 use schemars::JsonSchema;
@@ -353,35 +354,11 @@ pub struct Guard {
     /// Exponent of the opacity's fall towards the tip (k_t); 0: opaque to the tip.
     #[schemars(range(min = 0.0))]
     pub tip_fade: f32,
-    /// Fibre scattering.
-    pub fibre: GuardFibre,
+    /// Scattering.
+    pub fibre: FibreSpec,
     /// Root darkening of `shading = "paper"`: strength k_s and length l_s as part of the hair length.
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub root_darkening: [f32; 2],
-}
-
-/// Scattering of a guard hair: Sadeghi et al. 2010, single scattering, plus Kajiya-Kay diffuse.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
-#[serde(deny_unknown_fields, default)]
-pub struct GuardFibre {
-    /// Intensity of R, TT, TRT.
-    #[schemars(inner(range(min = 0.0)))]
-    pub intensity: [f32; 3],
-    /// Longitudinal shift of R, TT, TRT, degrees.
-    #[schemars(inner(range(min = -90.0, max = 90.0)))]
-    pub shift: [f32; 3],
-    /// Longitudinal width of R, TT, TRT, degrees.
-    #[schemars(inner(range(min = 0.1, max = 90.0)))]
-    pub width: [f32; 3],
-    /// Azimuthal width of TT, degrees.
-    #[schemars(range(min = 0.1, max = 180.0))]
-    pub azimuth_tt: f32,
-    /// Glints: intensity, azimuthal width (degrees).
-    #[schemars(inner(range(min = 0.0)))]
-    pub glint: [f32; 2],
-    /// Weight of the Kajiya-Kay diffuse term.
-    #[schemars(range(min = 0.0))]
-    pub diffuse: f32,
 }
 
 /// Undercoat.
@@ -436,15 +413,8 @@ pub struct Undercoat {
     pub color_root: Color,
     /// Colour at the tips.
     pub color_tip: Color,
-    /// Weight of the Kajiya-Kay diffuse term.
-    #[schemars(range(min = 0.0))]
-    pub diffuse: f32,
-    /// Weight of the Kajiya-Kay specular term.
-    #[schemars(range(min = 0.0))]
-    pub specular: f32,
-    /// Exponent of the specular term.
-    #[schemars(extend("exclusiveMinimum" = 0))]
-    pub specular_exponent: f32,
+    /// Scattering.
+    pub fibre: FibreSpec,
     /// Part of the scattered light that goes on forward and is not counted as attenuation of a light, 0..1.
     /// 0: single scattering as in Andersen et al. 2016.
     #[schemars(range(min = 0.0, max = 1.0))]

@@ -96,6 +96,8 @@ pub struct RenderSpec {
     pub simplified_attenuation: f32,
     /// Light model.
     pub shading: Shading,
+    /// Light scattered by more than one hair.
+    pub multiple: MultipleScattering,
     /// How the march learns what lies between it and a light.
     pub light: LightLookup,
     /// Seed of everything random.
@@ -148,6 +150,36 @@ pub enum Shading {
     /// As in the paper: exponential root darkening, no environment light on the undercoat, no forward scattering, extinction the
     /// same in all directions.
     Paper,
+}
+
+/// Light scattered by more than one hair. With `shading = "paper"` there is none.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields, default)]
+pub struct MultipleScattering {
+    /// How it is found.
+    pub model: MultipleModel,
+    /// Count light scattered on towards a hair from the light's side.
+    pub forward: bool,
+    /// Count light scattered back from the hairs behind.
+    pub backward: bool,
+    /// Density factors d_f and d_b of `model = "dual"` (Zinke et al. 2008 use 0.7).
+    #[schemars(inner(range(min = 0.0, max = 1.0)))]
+    pub density: [f32; 2],
+}
+
+/// How light scattered by more than one hair is found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
+#[serde(rename_all = "snake_case")]
+pub enum MultipleModel {
+    /// Not at all.
+    None,
+    /// A share of what hairs take from a light is not taken: `undercoat.forward_scattering`.
+    #[default]
+    Similarity,
+    /// Dual scattering, Zinke et al. 2008.
+    Dual,
+    /// Radiative transfer in a flat coat of the same fibres, looked up by the depth towards each light.
+    Transport,
 }
 
 /// How the march learns what lies between it and a light.

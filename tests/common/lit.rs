@@ -7,12 +7,15 @@ use glam::Vec2;
 use pelage::World;
 use pelage::camera;
 use pelage::gpu::Gpu;
+use pelage::groom::multiple_model;
 use pelage::layout::{Column, Frame};
 use pelage::reference::film::halves;
 use pelage::reference::lattice;
 use pelage::reference::shell::Place;
 use pelage::reference::undercoat::Undercoat;
 use pelage::reference::undercoat_source::Lattice;
+use pelage::scene::MultipleModel;
+use pelage::transport::Table;
 
 /// A world with its light.
 pub struct Lit {
@@ -30,6 +33,8 @@ pub struct Lit {
     pub densities: Vec<f32>,
     /// The stored volume.
     pub cells: Vec<u32>,
+    /// How multiple scattering is found, and its table.
+    pub multiple: (MultipleModel, Option<Table>),
 }
 
 impl Lit {
@@ -41,7 +46,7 @@ impl Lit {
         let fur = fixture.fur;
         let nodes = (fur.columns * (fur.levels + 1)) as usize;
         let columns: Vec<Column> = fixture.read("columns", fur.columns as usize);
-        let tau = fixture.read("tau", nodes * lattice::tau_pairs(&fur) as usize);
+        let tau = fixture.read("tau", nodes * fur.tau_stride as usize);
         let extinction: Vec<u32> = fixture.read("lattice_extinction", nodes);
         let guard = extinction.into_iter().map(|word| halves(word)[1]).collect();
         let cells = if fur.storage == 1 {
@@ -50,7 +55,10 @@ impl Lit {
             Vec::new()
         };
         let densities = columns.iter().map(|c| c.density).collect();
-        Self { fixture, frame, columns, tau, guard, densities, cells }
+        let model = multiple_model(&fixture.world.scene);
+        let tabulated = matches!(model, MultipleModel::Dual | MultipleModel::Transport);
+        let table = tabulated.then(|| Table::of_world(&fixture.world, &fixture.packed));
+        Self { fixture, frame, columns, tau, guard, densities, cells, multiple: (model, table) }
     }
 
     /// Nodes of the lattice.
@@ -67,6 +75,9 @@ impl Lit {
             columns: &self.columns,
             tau: &self.tau,
             frame: &self.frame,
+            coat: &self.fixture.packed.coat_fibre,
+            multiple: self.multiple.0,
+            table: self.multiple.1.as_ref(),
         }
     }
 

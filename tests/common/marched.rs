@@ -55,7 +55,12 @@ impl Marched {
             shell: &self.fixture.shell,
             cells: &self.cells,
         };
-        Scenery { undercoat, source: &self.source, frame: &self.tile.frame }
+        Scenery {
+            undercoat,
+            source: &self.source,
+            frame: &self.tile.frame,
+            coat: &self.fixture.packed.coat_fibre,
+        }
     }
 
     /// Samples of the tile with their places.

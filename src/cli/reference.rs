@@ -1,0 +1,190 @@
+//! `pelage reference`: the ground truth of a scene by path tracing, without a GPU.
+
+use super::{
+    Global,
+    args::SceneArgs,
+    interrupt,
+    output::{self, count},
+    progress::Display,
+};
+use crate::{
+    Error, Result, Scene, World,
+    film::{Film, Metadata, composite::Backdrop, io},
+    pathtrace::{
+        self, Identity, Integrator, LightModel, Options, Outcome,
+        grow::{GrowOptions, Patch},
+    },
+    render,
+};
+use clap::{Args, ValueEnum};
+use glam::Vec3;
+use std::{
+    path::{Path, PathBuf},
+    time::{Duration, Instant},
+};
+
+#[derive(Debug, Args)]
+pub(super) struct ReferenceArgs {
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Output file, .png or .exr; may be given several times. EXR holds all layers, both halves and the variance, and can be
+    /// gone on from.
+    #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
+    outfile: Vec<PathBuf>,
+    /// How light is gathered.
+    #[arg(long, value_enum, default_value = "path")]
+    integrator: Integrator,
+    /// Which lights: the renderer's directional ones (scene), or the environment itself (map); not given: scene for single,
+    /// map for path.
+    #[arg(long, value_enum)]
+    lights: Option<LightModel>,
+    /// Stop after this time, s.
+    #[arg(long, value_name = "S", value_parser = above_zero)]
+    time: Option<f64>,
+    /// Stop where the relative mean squared error, from the difference of two halves, is at most this.
+    #[arg(long, value_name = "X", value_parser = above_zero)]
+    error: Option<f64>,
+    /// Go on from the first EXR output file, if it is there.
+    #[arg(long)]
+    resume: bool,
+    /// Only hairs with roots within R cm of a point.
+    #[arg(long, value_name = "X,Y,Z,R", value_parser = patch, allow_hyphen_values = true)]
+    patch: Option<Patch>,
+    /// Which hairs are traced.
+    #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "guard,undercoat")]
+    layers: Vec<LayerName>,
+    /// Segments of an undercoat hair.
+    #[arg(long, value_name = "N", default_value_t = 8)]
+    segments: u32,
+    /// Most scatterings of a path.
+    #[arg(long, value_name = "N", default_value_t = 256)]
+    depth: u32,
+    /// Seed of the samples; --seed is that of the fur.
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    sampling_seed: u32,
+    /// Print the result as JSON.
+    #[arg(long)]
+    json: bool,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, ValueEnum)]
+enum LayerName {
+    Guard,
+    Undercoat,
+}
+
+fn above_zero(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.is_finite() && x > 0.0 => Ok(x),
+        _ => Err(format!("expected a number above 0, found {text:?}")),
+    }
+}
+
+fn patch(text: &str) -> Result<Patch, String> {
+    let expected = || format!("expected x,y,z,r in cm with r > 0, found {text:?}");
+    let numbers: Vec<f32> =
+        text.split(',').map(|n| n.trim().parse()).collect::<Result<_, _>>().map_err(|_| expected())?;
+    let [x, y, z, radius] = numbers[..] else { return Err(expected()) };
+    let fits = numbers.iter().all(|n| n.is_finite()) && radius > 0.0;
+    fits.then_some(Patch { centre: Vec3::new(x, y, z), radius }).ok_or_else(expected)
+}
+
+/// An image that was not asked for a limit has this many samples a pixel.
+const SAMPLES: u32 = 64;
+
+/// Memory allowed where nothing else is said, bytes.
+const MEMORY: u64 = 8 << 30;
+
+/// Time between two images that show how far it is.
+const WRITE_EVERY: Duration = Duration::from_secs(60);
+
+/// Traces; after an interrupt what there is has been written.
+pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
+    args.outfile.iter().try_for_each(io::check_writable)?;
+    let (scene, assets) = args.scene.load()?;
+    let backdrop = Backdrop::load(&scene, &assets)?;
+    let cancel = interrupt::listen()?;
+    let world = World::load(scene, &assets)?;
+    if !global.quiet {
+        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    }
+    let limited = args.time.is_some() || args.error.is_some();
+    let mut options = Options {
+        integrator: args.integrator,
+        lights: args.lights,
+        grow: GrowOptions { patch: args.patch, undercoat_segments: args.segments },
+        layers: [LayerName::Guard, LayerName::Undercoat].map(|l| args.layers.contains(&l)),
+        depth: args.depth,
+        seed: args.sampling_seed,
+        samples: args.scene.spp.or((!limited).then_some(SAMPLES)),
+        time: args.time,
+        error: args.error,
+        memory: args.scene.memory.unwrap_or(MEMORY),
+        assets,
+        cancel: Some(cancel),
+        ..Options::default()
+    };
+    let identity = Identity::new(&world, &options);
+    if args.resume {
+        let Some(path) = args.outfile.iter().find(|p| is_exr(p)) else {
+            return Err(Error::Usage("--resume: expected an output file that ends in .exr".into()));
+        };
+        if path.exists() {
+            options.start = Some(identity.read(path, [world.scene.film.width, world.scene.film.height])?);
+        }
+    }
+    let save = |film: Film, samples: u32| -> Result<()> {
+        let mut film = film;
+        backdrop.under(&mut film)?;
+        let metadata = identity.metadata(samples);
+        args.outfile.iter().try_for_each(|path| write(&film, path, &metadata, &world.scene))
+    };
+    let display = Display::new(global.progress, global.quiet);
+    let mut written = Instant::now();
+    let outcome = pathtrace::render(&world, &options, &mut |progress| {
+        display.update(render::Progress { done: progress.done as f32, stage: "path tracing" });
+        if written.elapsed() >= WRITE_EVERY {
+            save(progress.means.film(), progress.means.samples)?;
+            written = Instant::now();
+        }
+        Ok(())
+    });
+    display.finish();
+    let outcome = outcome?;
+    save(outcome.film.clone(), outcome.samples)?;
+    if args.json {
+        output::print_json(&serde_json::json!({
+            "samples": outcome.samples,
+            "error": outcome.error,
+            "seconds": outcome.seconds,
+            "rays": outcome.rays,
+            "complete": outcome.complete,
+        }))?;
+    } else if !global.quiet {
+        output::print(&summary(args, &world.scene, &outcome))?;
+    }
+    if outcome.complete { Ok(()) } else { Err(Error::Interrupted) }
+}
+
+fn is_exr(path: &Path) -> bool {
+    path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
+}
+
+fn write(film: &Film, path: &Path, metadata: &Metadata, scene: &Scene) -> Result<()> {
+    io::write(film, path, metadata, &scene.film)
+}
+
+fn summary(args: &ReferenceArgs, scene: &Scene, outcome: &Outcome) -> String {
+    let files: Vec<_> = args.outfile.iter().map(|p| p.display().to_string()).collect();
+    format!(
+        "{}: {} x {}, {} spp, {:.1} s\nerror      {:.3e} (relative mean squared, from two halves)\nrays       {}, {:.2} million/s\n",
+        files.join(", "),
+        scene.film.width,
+        scene.film.height,
+        outcome.samples,
+        outcome.seconds,
+        outcome.error,
+        count(outcome.rays),
+        outcome.rays as f64 / outcome.seconds.max(1e-9) * 1e-6
+    )
+}

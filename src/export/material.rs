@@ -1,0 +1,159 @@
+//! Hair scattering in the numbers that other renderers' model of [Chiang2016] takes.
+
+use crate::{Scene, pathtrace::strands::Layer};
+use glam::Vec3;
+use std::f32::consts::PI;
+
+/// A hair of Chiang's model.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct HairMaterial {
+    /// Absorption along a path of one hair radius, linear RGB.
+    pub absorption: Vec3,
+    /// Longitudinal roughness, 0..1.
+    pub beta_m: f32,
+    /// Azimuthal roughness, 0..1.
+    pub beta_n: f32,
+    /// Tilt of the cuticle scales, degrees.
+    pub alpha_degrees: f32,
+    /// Refractive index against air.
+    pub ior: f32,
+}
+
+/// What the hairs of a layer share.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LayerMaterial {
+    /// The material of a hair; its absorption holds where `colored` is false.
+    pub hair: HairMaterial,
+    /// Absorption follows from each hair's colour.
+    pub colored: bool,
+    /// Why this is not the scene's own model, if it is not.
+    pub approximates: Option<String>,
+}
+
+impl LayerMaterial {
+    /// Absorption of a hair of colour `color`.
+    pub fn absorption(&self, color: Vec3) -> Vec3 {
+        if self.colored { absorption_of(color, self.hair.beta_n) } else { self.hair.absorption }
+    }
+}
+
+/// The denominator of Chiang's fit for the azimuthal roughness `beta_n`.
+// [Chiang2016] eq. 9
+pub fn fit(beta_n: f32) -> f32 {
+    let b = beta_n;
+    5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
+}
+
+/// The darkest colour that is told from black: log 0 has no value.
+pub const DARKEST: f32 = 1e-4;
+
+/// Absorption along a radius for which a pelt of such hairs has about the colour `color`, linear RGB; from [`DARKEST`] to 1.
+// [Chiang2016] eq. 9
+pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
+    let root = color.clamp(Vec3::splat(DARKEST), Vec3::ONE).map(f32::ln) / fit(beta_n);
+    root * root
+}
+
+/// Longitudinal variance of a roughness, radians².
+// [Chiang2016] eq. 7
+pub fn variance(beta_m: f32) -> f32 {
+    (0.726 * beta_m + 0.812 * beta_m * beta_m + 3.7 * beta_m.powi(20)).powi(2)
+}
+
+/// Scale of the logistic distribution of an azimuthal roughness, radians.
+// [Chiang2016] eq. 8
+pub fn logistic_scale(beta_n: f32) -> f32 {
+    (PI / 8.0).sqrt() * (0.265 * beta_n + 1.194 * beta_n * beta_n + 5.372 * beta_n.powi(22))
+}
+
+/// The number in 0..1 at which the growing function `f` has the value `wanted`, within its range.
+fn inverse(f: impl Fn(f32) -> f32, wanted: f32) -> f32 {
+    let (mut low, mut high) = (0.0, 1.0);
+    for _ in 0..30 {
+        let middle = 0.5 * (low + high);
+        if f(middle) < wanted { low = middle } else { high = middle }
+    }
+    0.5 * (low + high)
+}
+
+/// The longitudinal roughness whose reflection is `sigma` radians wide.
+pub fn beta_m_of(sigma: f32) -> f32 {
+    inverse(variance, sigma * sigma)
+}
+
+/// The azimuthal roughness whose logistic distribution has the standard deviation `sigma`, radians.
+pub fn beta_n_of(sigma: f32) -> f32 {
+    inverse(logistic_scale, sigma * 3f32.sqrt() / PI)
+}
+
+/// The material of a layer of `scene`.
+pub fn of(scene: &Scene, layer: Layer) -> LayerMaterial {
+    const IOR: f32 = 1.55;
+    match layer {
+        Layer::Guard => {
+            let f = &scene.guard.fibre;
+            let hair = HairMaterial {
+                absorption: Vec3::ZERO,
+                beta_m: beta_m_of(f.width[0].to_radians()),
+                beta_n: beta_n_of(f.azimuth_tt.to_radians()),
+                // The reflection is shifted by twice the tilt, towards the root.
+                alpha_degrees: -0.5 * f.shift[0],
+                ior: IOR,
+            };
+            let mut lost = vec![format!("lobe intensities {:?}", f.intensity)];
+            if f.glint[0] > 0.0 {
+                lost.push(format!("glints {:?}", f.glint));
+            }
+            if f.diffuse > 0.0 {
+                lost.push(format!("a diffuse part of {}", f.diffuse));
+            }
+            let approximates = Some(format!(
+                "guard hairs scatter by Sadeghi et al. 2010 in the scene, by Chiang et al. 2016 here: roughness and tilt follow from \
+                 the widths of R and TT and the shift of R, absorption from colour; left out: {}",
+                lost.join(", ")
+            ));
+            LayerMaterial { hair, colored: true, approximates }
+        }
+        Layer::Undercoat => {
+            let u = &scene.undercoat;
+            let hair = HairMaterial {
+                absorption: Vec3::ZERO,
+                beta_m: 0.6,
+                beta_n: 0.6,
+                alpha_degrees: 0.0,
+                ior: IOR,
+            };
+            let approximates = Some(format!(
+                "the undercoat scatters by Kajiya and Kay 1989 in the scene (diffuse {}, specular {}), by Chiang et al. 2016 with \
+                 roughness 0.6 here",
+                u.diffuse, u.specular
+            ));
+            LayerMaterial { hair, colored: true, approximates }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn roughness_is_found_again() {
+        for beta in [0.05, 0.2, 0.5, 0.9] {
+            assert!((beta_m_of(variance(beta).sqrt()) - beta).abs() < 1e-4, "{beta}");
+            let sigma = logistic_scale(beta) * PI / 3f32.sqrt();
+            assert!((beta_n_of(sigma) - beta).abs() < 1e-4, "{beta}");
+        }
+    }
+
+    /// pbrt's documentation: a reflectance of one absorbs nothing, and darker ones absorb more.
+    #[test]
+    fn absorption_grows_as_colour_darkens() {
+        assert_eq!(absorption_of(Vec3::ONE, 0.3), Vec3::ZERO);
+        let a = absorption_of(Vec3::new(0.5, 0.2, 0.0), 0.3);
+        assert!(a.x < a.y && a.y < a.z && a.is_finite(), "{a}");
+        // By hand: ln 0.5 = -0.693147, the fit at 0.3 is 5.888..., squared.
+        let fit = 5.969 - 0.0645 + 0.22788 - 0.28971 + 0.045_149_4 + 0.000_595_35;
+        assert!((a.x - (0.693_147_f32 / fit).powi(2)).abs() < 1e-6, "{a}");
+    }
+}
