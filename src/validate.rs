@@ -218,12 +218,7 @@ pub static EXPERIMENTS: [Experiment; 4] = [
         share: 6.0,
         run: volume::run,
     },
-    Experiment {
-        name: "hybrid",
-        title: "Hybrid fur against path tracing",
-        share: 16.0,
-        run: hybrid::run,
-    },
+    Experiment { name: "hybrid", title: "Hybrid fur against path tracing", share: 16.0, run: hybrid::run },
 ];
 
 /// Makes the experiments and writes `report.html`, `report.json` and pictures. The report is written anew after each of them.
@@ -236,7 +231,8 @@ pub fn run(options: &Options, progress: &(dyn Fn(Progress) + Sync), cancel: &Ato
         [] => EXPERIMENTS.iter().collect(),
         names => names.iter().map(|name| find(name)).collect::<Result<_>>()?,
     };
-    std::fs::create_dir_all(&options.out).map_err(|e| Error::io(&options.out, format!("cannot be made: {e}")))?;
+    std::fs::create_dir_all(&options.out)
+        .map_err(|e| Error::io(&options.out, format!("cannot be made: {e}")))?;
     let gpu = Gpu::open()?;
     let started = Instant::now();
     let mut report = Report {

@@ -49,7 +49,13 @@ pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
     }
     let line = |f: &&validate::Finding| {
         let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-        format!("{}, {}: {} is {}, expected {goal}", f.approximation, f.case, f.metric, validate::html::number(f.value))
+        format!(
+            "{}, {}: {} is {}, expected {goal}",
+            f.approximation,
+            f.case,
+            f.metric,
+            validate::html::number(f.value)
+        )
     };
     let lines: Vec<_> = missed.iter().map(line).collect();
     Err(Error::Check(format!("{} goals are missed:\n{}", missed.len(), lines.join("\n"))))
@@ -67,8 +73,11 @@ fn summary(report: &validate::Report) -> String {
             };
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
             let value = validate::html::number(f.value);
-            text +=
-                format!("  {:<28} {:<44} {:<40} {value:>9}  {goal:<14} {verdict}", f.approximation, f.case, f.metric).trim_end();
+            text += format!(
+                "  {:<28} {:<44} {:<40} {value:>9}  {goal:<14} {verdict}",
+                f.approximation, f.case, f.metric
+            )
+            .trim_end();
             text += "\n";
         }
         section.skipped.iter().for_each(|words| text += &format!("  left out: {words}\n"));

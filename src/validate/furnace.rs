@@ -136,17 +136,22 @@ pub fn run(lab: &Lab) -> Result<Section> {
 fn judged(name: &str, how: &str, values: &[f64], kind: Kind) -> Finding {
     let case = format!("single fibre, 0 to 80 degrees, {how}");
     // A maximum would pass over what is not a number.
-    let largest =
-        |value: &dyn Fn(f64) -> f64| values.iter().map(|v| value(*v)).fold(f64::NEG_INFINITY, |a, b| if a >= b { a } else { b });
+    let largest = |value: &dyn Fn(f64) -> f64| {
+        values.iter().map(|v| value(*v)).fold(f64::NEG_INFINITY, |a, b| if a >= b { a } else { b })
+    };
     let from_one = largest(&|v| (v - 1.0).abs());
     match kind {
         Kind::Lossless(tables) => {
             let goal = if tables { GOAL_TABLES } else { GOAL };
             Finding::new(name, &case, "largest distance from 1", from_one, Some(Goal::AtMost(goal)))
         }
-        Kind::Bounded => {
-            Finding::new(name, &case, "largest share sent out", largest(&|v| v), Some(Goal::AtMost(1.0 + GOAL)))
-        }
+        Kind::Bounded => Finding::new(
+            name,
+            &case,
+            "largest share sent out",
+            largest(&|v| v),
+            Some(Goal::AtMost(1.0 + GOAL)),
+        ),
         Kind::Free => Finding::new(name, &case, "largest share sent out", largest(&|v| v), None),
     }
 }
@@ -154,7 +159,9 @@ fn judged(name: &str, how: &str, values: &[f64], kind: Kind) -> Finding {
 fn of_tracer(lab: &Lab, model: &str, place: [usize; 2]) -> Result<Finding> {
     let mut overrides = vec![format!("undercoat.fibre.model={model}")];
     if model == "medulla" {
-        overrides.extend(["undercoat.fibre.absorption=[0,0,0]", "undercoat.fibre.medulla.absorption=0"].map(String::from));
+        overrides.extend(
+            ["undercoat.fibre.absorption=[0,0,0]", "undercoat.fibre.medulla.absorption=0"].map(String::from),
+        );
     }
     let edge = lab.choose(32, 48, 96);
     overrides.extend([format!("film.width={edge}"), format!("film.height={edge}")]);
@@ -168,8 +175,10 @@ fn of_tracer(lab: &Lab, model: &str, place: [usize; 2]) -> Result<Finding> {
         ..pathtrace::Options::default()
     };
     let outcome = lab.trace(&world, options, place)?;
-    let sum = |name: &str| outcome.film.plane(name).unwrap_or_default().iter().map(|v| f64::from(*v)).sum::<f64>();
+    let sum =
+        |name: &str| outcome.film.plane(name).unwrap_or_default().iter().map(|v| f64::from(*v)).sum::<f64>();
     let value = sum("G") / sum("A");
     let case = format!("furry ball, {model}, {} samples a pixel", outcome.samples);
-    Ok(Finding::new("path tracer", &case, "mean radiance", value, Some(Goal::OneWithin(GOAL))).in_seconds(outcome.seconds))
+    Ok(Finding::new("path tracer", &case, "mean radiance", value, Some(Goal::OneWithin(GOAL)))
+        .in_seconds(outcome.seconds))
 }

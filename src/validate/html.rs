@@ -56,9 +56,10 @@ pub fn page(report: &Report) -> String {
 }
 
 fn findings<'a>(findings: impl Iterator<Item = &'a Finding>) -> String {
-    let mut html = "<table><tr><th>Approximation</th><th>Case</th><th>Measure</th><th>Value</th><th>Goal</th><th></th>\
+    let mut html =
+        "<table><tr><th>Approximation</th><th>Case</th><th>Measure</th><th>Value</th><th>Goal</th><th></th>\
         <th>Time, s</th></tr>\n"
-        .to_owned();
+            .to_owned();
     for f in findings {
         let (class, verdict) = match f.met {
             Some(true) => ("met", "met"),
@@ -136,7 +137,11 @@ fn table(table: &Table) -> String {
         };
         cells.iter().map(cell).collect()
     };
-    let mut html = format!("<table><caption>{}</caption><tr>{}</tr>\n", escape(&table.caption), cells("th", &table.head));
+    let mut html = format!(
+        "<table><caption>{}</caption><tr>{}</tr>\n",
+        escape(&table.caption),
+        cells("th", &table.head)
+    );
     for row in &table.rows {
         let _ = writeln!(html, "<tr>{}</tr>", cells("td", row));
     }

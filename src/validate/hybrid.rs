@@ -112,7 +112,8 @@ struct Shot {
 /// Those of the scenes, of rendering and of path tracing; missing assets leave a scene out.
 pub fn run(lab: &Lab) -> Result<Section> {
     let mut section = Section { text: text(), ..Section::default() };
-    let subjects: Vec<&Subject> = SUBJECTS.iter().filter(|s| !s.slow || lab.choose(false, true, true)).collect();
+    let subjects: Vec<&Subject> =
+        SUBJECTS.iter().filter(|s| !s.slow || lab.choose(false, true, true)).collect();
     if subjects.len() < SUBJECTS.len() {
         section.skipped.push("the bunny, for a quick run".into());
     }
@@ -154,7 +155,10 @@ fn measure(
         integrator: Integrator::Path,
         samples: Some(lab.choose(32, 128, 1024)),
         time: Some(lab.choose(30.0, 100.0, 3600.0)),
-        grow: GrowOptions { patch: subject.patch.map(|radius| Patch { centre, radius }), ..GrowOptions::default() },
+        grow: GrowOptions {
+            patch: subject.patch.map(|radius| Patch { centre, radius }),
+            ..GrowOptions::default()
+        },
         assets,
         ..pathtrace::Options::default()
     };
@@ -170,9 +174,21 @@ fn measure(
             "{case}. Reference: {} samples a pixel, {:.0} s, its own relative MSE {:.5}.",
             truth.samples, truth.seconds, truth.error
         ),
-        head: ["variant", "guard hairs", "luminance ratio", "FLIP", "HDR-FLIP", "relative MSE", "SSIM", "detail 3 px", "at the silhouette: luminance ratio", "HDR-FLIP", "time, s"]
-            .map(String::from)
-            .to_vec(),
+        head: [
+            "variant",
+            "guard hairs",
+            "luminance ratio",
+            "FLIP",
+            "HDR-FLIP",
+            "relative MSE",
+            "SSIM",
+            "detail 3 px",
+            "at the silhouette: luminance ratio",
+            "HDR-FLIP",
+            "time, s",
+        ]
+        .map(String::from)
+        .to_vec(),
         rows: Vec::new(),
     };
     for (variant, shot) in VARIANTS.iter().zip(&shots) {
@@ -192,8 +208,11 @@ fn measure(
             rim.map_or_else(dash, |rim| format!("{:.4}", rim.hdr_flip)),
             format!("{:.2}", shot.seconds),
         ]);
-        let [light, flip] = [Goal::OneWithin(GOAL_LUMINANCE), Goal::AtMost(GOAL_HDR_FLIP)].map(|g| variant.best.then_some(g));
-        let find = |metric, value, goal| Finding::new(variant.name, case, metric, value, goal).in_seconds(shot.seconds);
+        let [light, flip] =
+            [Goal::OneWithin(GOAL_LUMINANCE), Goal::AtMost(GOAL_HDR_FLIP)].map(|g| variant.best.then_some(g));
+        let find = |metric, value, goal| {
+            Finding::new(variant.name, case, metric, value, goal).in_seconds(shot.seconds)
+        };
         section.findings.push(find("luminance ratio", m.luminance_ratio, light));
         section.findings.push(find("HDR-FLIP", m.hdr_flip, flip));
     }

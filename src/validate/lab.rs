@@ -26,7 +26,12 @@ pub struct Lab<'a> {
 
 impl<'a> Lab<'a> {
     /// On an open device. `show` is told what part of the experiment is done.
-    pub fn new(gpu: &'a Gpu, options: &'a Options, show: &'a (dyn Fn(f32) + Sync), cancel: &'a AtomicBool) -> Self {
+    pub fn new(
+        gpu: &'a Gpu,
+        options: &'a Options,
+        show: &'a (dyn Fn(f32) + Sync),
+        cancel: &'a AtomicBool,
+    ) -> Self {
         Self { level: options.level, gpu, out: &options.out, show, cancel }
     }
 

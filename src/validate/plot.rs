@@ -45,7 +45,11 @@ impl Plot {
         };
         let mut svg = format!(
             "<svg class=\"plot\" viewBox=\"0 0 {} {}\" width=\"{}\" height=\"{}\" role=\"img\" aria-label=\"{}\">",
-            SIZE[0], SIZE[1], SIZE[0], SIZE[1], escape(&self.caption)
+            SIZE[0],
+            SIZE[1],
+            SIZE[0],
+            SIZE[1],
+            escape(&self.caption)
         );
         let mut line = |a: [f64; 2], b: [f64; 2], color: &str| {
             let _ = write!(
@@ -122,7 +126,8 @@ impl Axis {
         }
         let span = (high - low).max(1e-6 * high.abs().max(1.0));
         let power = 10f64.powf((span / 5.0).log10().floor());
-        let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|s| span / s <= 6.0).unwrap_or(power);
+        let step =
+            [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|s| span / s <= 6.0).unwrap_or(power);
         let low = (low / step).floor() * step;
         Self { low, high: ((high / step).ceil() * step).max(low + step), step }
     }

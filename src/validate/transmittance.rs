@@ -57,7 +57,8 @@ impl Slab {
         let shell = Shell::default();
         let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
         let layers = coat.layers.max(1);
-        let at = |l: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (l as f32 + 0.5) / layers as f32, 0).density;
+        let at =
+            |l: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (l as f32 + 0.5) / layers as f32, 0).density;
         let fill = (0..layers).map(|l| f64::from(at(l))).sum::<f64>() / f64::from(layers);
         Ok(Self {
             density: coat.density.max(),
@@ -130,7 +131,11 @@ pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
 /// Largest difference between two curves of the same places.
 pub fn worst(found: &[[f64; 2]], expected: &[[f64; 2]]) -> f64 {
     // A maximum would pass over what is not a number.
-    found.iter().zip(expected).map(|(a, b)| (a[1] - b[1]).abs()).fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
+    found
+        .iter()
+        .zip(expected)
+        .map(|(a, b)| (a[1] - b[1]).abs())
+        .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
 
 /// The march through the volume: mean part of the skin's light that is seen at `degrees`, and what is expected.
@@ -165,7 +170,8 @@ pub fn run(lab: &Lab) -> Result<Section> {
     let (world, _) = lab.world("slab", &[])?;
     let slab = Slab::of(&world)?;
     let full = Slab { fill: 1.0, ..slab };
-    let grown = GrowOptions { patch: Some(Patch { centre: Vec3::ZERO, radius: REACH }), undercoat_segments: 32 };
+    let grown =
+        GrowOptions { patch: Some(Patch { centre: Vec3::ZERO, radius: REACH }), undercoat_segments: 32 };
     let mut grown = grow(&world, &grown)?;
     grown.retain(|strands| strands.layer == Layer::Undercoat);
     let with_fibre = |strands: Vec<Strands>| strands.into_iter().map(|s| (s, Fibre::diffuse())).collect();
@@ -182,7 +188,13 @@ pub fn run(lab: &Lab) -> Result<Section> {
         let goal = has_goal.then_some(Goal::AtMost(GOAL));
         let case = format!("upright, 0 to 80 degrees, {} angles", found.len());
         let worst = worst(&found, expected);
-        section.findings.push(Finding::new(name, &case, "largest difference of the transmittance", worst, goal));
+        section.findings.push(Finding::new(
+            name,
+            &case,
+            "largest difference of the transmittance",
+            worst,
+            goal,
+        ));
         curves.push((name.to_owned(), found));
     };
     let exact = |slab: &Slab| -> Vec<[f64; 2]> {
@@ -216,7 +228,9 @@ pub fn run(lab: &Lab) -> Result<Section> {
     for (i, degrees) in angles.iter().enumerate() {
         let exact = [slab, full].map(|s| s.expected(f64::from(*degrees).to_radians()));
         let values = exact.into_iter().chain(curves.iter().map(|(_, points)| points[i][1]));
-        table.rows.push(std::iter::once(format!("{degrees}")).chain(values.map(|v| format!("{v:.4}"))).collect());
+        table
+            .rows
+            .push(std::iter::once(format!("{degrees}")).chain(values.map(|v| format!("{v:.4}"))).collect());
     }
     section.tables.push(table);
     let mut plot = Plot {

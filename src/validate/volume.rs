@@ -55,10 +55,22 @@ pub fn run(lab: &Lab) -> Result<Section> {
     let sweeps = sweeps(lab);
     let all: usize = sweeps.iter().map(|sweep| sweep.values.len()).sum();
     let mut table = Table {
-        caption: "Volume against strands, scattered once. Noise: relative MSE of the strands' own picture.".into(),
-        head: ["case", "luminance ratio", "coverage", "of strands", "relative MSE", "noise", "FLIP", "detail 3 px", "6 px", "13 px"]
-            .map(String::from)
-            .to_vec(),
+        caption: "Volume against strands, scattered once. Noise: relative MSE of the strands' own picture."
+            .into(),
+        head: [
+            "case",
+            "luminance ratio",
+            "coverage",
+            "of strands",
+            "relative MSE",
+            "noise",
+            "FLIP",
+            "detail 3 px",
+            "6 px",
+            "13 px",
+        ]
+        .map(String::from)
+        .to_vec(),
         rows: Vec::new(),
     };
     let mut done = 0;
@@ -70,17 +82,25 @@ pub fn run(lab: &Lab) -> Result<Section> {
             let one = measure(lab, &set, [done, all])?;
             let m = &one.compared.all;
             let cover = [coverage(&one.volume), coverage(&one.strands)];
-            let find = |metric, value, goal| Finding::new("undercoat as a volume", &case, metric, value, goal);
+            let find =
+                |metric, value, goal| Finding::new("undercoat as a volume", &case, metric, value, goal);
             section.findings.push(
-                find("luminance ratio", m.luminance_ratio, Some(Goal::OneWithin(GOAL_LUMINANCE))).in_seconds(one.seconds),
+                find("luminance ratio", m.luminance_ratio, Some(Goal::OneWithin(GOAL_LUMINANCE)))
+                    .in_seconds(one.seconds),
             );
             let difference = (cover[0] - cover[1]).abs();
-            section.findings.push(find("difference of the coverage", difference, Some(Goal::AtMost(GOAL_COVERAGE))));
+            section.findings.push(find(
+                "difference of the coverage",
+                difference,
+                Some(Goal::AtMost(GOAL_COVERAGE)),
+            ));
             section.findings.push(find("relative MSE", m.relative_mse, None));
             let numbers = [m.luminance_ratio, cover[0], cover[1], m.relative_mse, one.noise, m.flip]
                 .into_iter()
                 .chain(m.detail_ratio[..3].iter().copied());
-            table.rows.push(std::iter::once(case.clone()).chain(numbers.map(|v| format!("{v:.4}"))).collect());
+            table
+                .rows
+                .push(std::iter::once(case.clone()).chain(numbers.map(|v| format!("{v:.4}"))).collect());
             light.push([*value, m.luminance_ratio]);
             error.push([*value, m.relative_mse]);
             section.pictures.push(one.pictures(lab, &case)?);
