@@ -6,15 +6,13 @@ use super::{
     output::{self, count, human_bytes},
 };
 use crate::{
-    Error, Result, World,
+    Result, World,
     export::{self, EnvironmentAs, Target},
-    files, groom, mesh,
-    pathtrace::strands::{Hair, Layer, Strands},
+    files, mesh,
+    pathtrace::grow::{self, GrowOptions},
     render,
-    scene::Color,
 };
 use clap::Args;
-use glam::Vec3;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -58,7 +56,7 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
         say(format!("{}: {} guard hairs\n", path.display(), count(hair.segments.len() as u64)))?;
     }
     if let Some((target, folder)) = whole {
-        let strands = strands_of(&world)?;
+        let strands = grow::grow(&world, &GrowOptions::default())?;
         let mut bytes = 0;
         for file in export::write(&world, &strands, &assets, target, args.environment, folder)? {
             bytes += file.bytes;
@@ -68,32 +66,4 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
         say(format!("together {}\n", human_bytes(bytes)))?;
     }
     Ok(())
-}
-
-/// The hairs of `world`, a layer each.
-fn strands_of(world: &World) -> Result<Vec<Strands>> {
-    if !groom::has_guard(&world.scene) {
-        return Ok(Vec::new());
-    }
-    let guard = &world.scene.guard;
-    let file = render::strands(world)?;
-    let segments = usize::from(file.segments.first().copied().unwrap_or(1));
-    if file.segments.iter().any(|s| usize::from(*s) != segments) {
-        return Err(Error::Check("the strands have different numbers of segments".into()));
-    }
-    let color = |c: &Color| match c {
-        Color::Constant(c) => Vec3::from(*c),
-        Color::Mapped(map) => Vec3::from(map.value),
-    };
-    let (color_root, color_tip) = (color(&guard.color_root), color(&guard.color_tip));
-    let points = file.points.iter().zip(&file.thickness).map(|(p, d)| p.extend(0.5 * d)).collect();
-    let opacity = file.transparency.iter().take(segments + 1).map(|t| 1.0 - t).collect();
-    Ok(vec![Strands {
-        layer: Layer::Guard,
-        segments,
-        points,
-        hairs: vec![Hair { color_root, color_tip, glint_angle: 0.0, present: u64::MAX }; file.segments.len()],
-        opacity,
-        color_transition: guard.color_transition,
-    }])
 }

@@ -1,6 +1,10 @@
 //! Hair scattering in the numbers that other renderers' model of [Chiang2016] takes.
 
-use crate::{Scene, pathtrace::strands::Layer};
+use crate::{
+    Scene,
+    pathtrace::strands::Layer,
+    scene::{FibreModel, Shading},
+};
 use glam::Vec3;
 use std::f32::consts::PI;
 
@@ -88,49 +92,60 @@ pub fn beta_n_of(sigma: f32) -> f32 {
 
 /// The material of a layer of `scene`.
 pub fn of(scene: &Scene, layer: Layer) -> LayerMaterial {
-    const IOR: f32 = 1.55;
-    match layer {
-        Layer::Guard => {
-            let f = &scene.guard.fibre;
-            let hair = HairMaterial {
-                absorption: Vec3::ZERO,
-                beta_m: beta_m_of(f.width[0].to_radians()),
-                beta_n: beta_n_of(f.azimuth_tt.to_radians()),
-                // The reflection is shifted by twice the tilt, towards the root.
-                alpha_degrees: -0.5 * f.shift[0],
-                ior: IOR,
-            };
-            let mut lost = vec![format!("lobe intensities {:?}", f.intensity)];
-            if f.glint[0] > 0.0 {
-                lost.push(format!("glints {:?}", f.glint));
+    let (spec, whose, usual) = match layer {
+        Layer::Guard => (&scene.guard.fibre, "guard hairs", FibreModel::Sadeghi),
+        Layer::Undercoat => (&scene.undercoat.fibre, "the undercoat's hairs", FibreModel::KajiyaKay),
+    };
+    let paper = scene.render.shading == Shading::Paper;
+    let model = spec.model.filter(|_| !paper).unwrap_or(usual);
+    let chiang = |[beta_m, beta_n]: [f32; 2], alpha_degrees: f32| HairMaterial {
+        absorption: spec.absorption.map_or(Vec3::ZERO, Vec3::from),
+        beta_m,
+        beta_n,
+        alpha_degrees,
+        ior: spec.ior,
+    };
+    let (hair, lost) = match model {
+        FibreModel::Chiang => (chiang(spec.roughness, spec.tilt), None),
+        FibreModel::Sadeghi | FibreModel::SadeghiNormalised => {
+            let roughness = [beta_m_of(spec.width[0].to_radians()), beta_n_of(spec.azimuth_tt.to_radians())];
+            let mut lost = vec![format!("lobe intensities {:?}", spec.intensity)];
+            if spec.glint[0] > 0.0 {
+                lost.push(format!("glints {:?}", spec.glint));
             }
-            if f.diffuse > 0.0 {
-                lost.push(format!("a diffuse part of {}", f.diffuse));
+            let diffuse = spec.diffuse.unwrap_or(0.7);
+            if diffuse > 0.0 {
+                lost.push(format!("a diffuse part of {diffuse}"));
             }
-            let approximates = Some(format!(
-                "guard hairs scatter by Sadeghi et al. 2010 in the scene, by Chiang et al. 2016 here: roughness and tilt follow from \
-                 the widths of R and TT and the shift of R, absorption from colour; left out: {}",
+            // The reflection is shifted by twice the tilt, towards the root.
+            let hair = HairMaterial { absorption: Vec3::ZERO, ..chiang(roughness, -0.5 * spec.shift[0]) };
+            let lost = format!(
+                "by Sadeghi et al. 2010 in the scene, by Chiang et al. 2016 here: roughness and tilt follow from the widths of R and TT \
+                 and the shift of R, absorption from colour; left out: {}",
                 lost.join(", ")
-            ));
-            LayerMaterial { hair, colored: true, approximates }
+            );
+            (hair, Some(lost))
         }
-        Layer::Undercoat => {
-            let u = &scene.undercoat;
-            let hair = HairMaterial {
-                absorption: Vec3::ZERO,
-                beta_m: 0.6,
-                beta_n: 0.6,
-                alpha_degrees: 0.0,
-                ior: IOR,
-            };
-            let approximates = Some(format!(
-                "the undercoat scatters by Kajiya and Kay 1989 in the scene (diffuse {}, specular {}), by Chiang et al. 2016 with \
-                 roughness 0.6 here",
-                u.diffuse, u.specular
-            ));
-            LayerMaterial { hair, colored: true, approximates }
+        FibreModel::KajiyaKay => {
+            let hair = HairMaterial { absorption: Vec3::ZERO, ..chiang([0.6; 2], 0.0) };
+            let lost = format!(
+                "by Kajiya and Kay 1989 in the scene (diffuse {}, specular {}), by Chiang et al. 2016 with roughness 0.6 here",
+                spec.diffuse.unwrap_or(1.0),
+                spec.specular
+            );
+            (hair, Some(lost))
         }
-    }
+        FibreModel::Medulla => {
+            let [along, around] = spec.medulla.width.map(f32::to_radians);
+            let lost = format!(
+                "by Yan et al. 2017 in the scene, by Chiang et al. 2016 here: left out is the medulla, {} of the radius",
+                spec.medulla.radius
+            );
+            (chiang([beta_m_of(along), beta_n_of(around)], spec.tilt), Some(lost))
+        }
+    };
+    let given = matches!(model, FibreModel::Chiang | FibreModel::Medulla) && spec.absorption.is_some();
+    LayerMaterial { hair, colored: !given, approximates: lost.map(|lost| format!("{whose} scatter {lost}")) }
 }
 
 #[cfg(test)]
