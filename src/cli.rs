@@ -36,7 +36,7 @@ struct Cli {
     global: Global,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 rendering or I/O failed, or a comparison is past its threshold; \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 rendering or I/O failed, a comparison is past its threshold, or a goal is missed; \
 2 wrong usage; 3 scene invalid; 4 no GPU adapter or limits too low; 5 GPU device lost; 130 interrupted.\n\
 The adapter is chosen with WGPU_BACKEND, WGPU_ADAPTER_NAME and WGPU_POWER_PREF; logs with RUST_LOG.";
 

@@ -174,7 +174,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
         GrowOptions { patch: Some(Patch { centre: Vec3::ZERO, radius: REACH }), undercoat_segments: 32 };
     let mut grown = grow(&world, &grown)?;
     grown.retain(|strands| strands.layer == Layer::Undercoat);
-    let with_fibre = |strands: Vec<Strands>| strands.into_iter().map(|s| (s, Fibre::diffuse())).collect();
+    let with_fibre = |strands: Vec<Strands>| strands.into_iter().map(|s| (s, Fibre::undercoat(&world.scene))).collect();
     let kinds: [(&str, Slab, Vec<Strands>, bool); 3] = [
         ("undercoat grown as strands", slab, grown, true),
         ("strands with random roots", full, vec![full.strands(Roots::Random, 7)], true),
