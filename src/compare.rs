@@ -162,7 +162,12 @@ pub fn compare_with(image: &Film, reference: &Film, options: &Options) -> Result
         ssim: perceptual::ssim(&shown, &wanted, pair.size),
         flip: pair.flip()?,
         hdr_flip: hdr.map,
-        detail: [&pair.image, &pair.reference].map(|p| spectrum::octaves(p, pair.size)),
+        detail: [&pair.image, &pair.reference]
+            .map(|pixels| spectrum::octaves(spectrum::luminances(pixels), pair.size)),
+        noise: [image, reference].map(|film| {
+            spectrum::noise(film, options.exposure.exp2() as f32)
+                .map(|noise| spectrum::octaves(noise, pair.size))
+        }),
     };
     let masks = region::masks(&pair.reference, pair.size, options.band);
     let of = |mask: &[bool]| metric::Metrics::new(&pair, &maps, mask);

@@ -138,6 +138,15 @@ pub struct Picture {
     pub caption: String,
 }
 
+/// A table with the pictures that it is about.
+#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+pub struct Exhibit {
+    /// The table, if any.
+    pub table: Option<Table>,
+    /// Pictures side by side.
+    pub pictures: Vec<Picture>,
+}
+
 /// The results of one experiment.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Section {
@@ -149,12 +158,10 @@ pub struct Section {
     pub text: Vec<String>,
     /// Numbers with their goals.
     pub findings: Vec<Finding>,
-    /// More numbers.
-    pub tables: Vec<Table>,
     /// Curves.
     pub plots: Vec<Plot>,
-    /// Rows of pictures.
-    pub pictures: Vec<Vec<Picture>>,
+    /// More numbers, and pictures.
+    pub exhibits: Vec<Exhibit>,
     /// What was left out, and why.
     pub skipped: Vec<String>,
     /// Time taken, s.
@@ -185,6 +192,23 @@ impl Report {
     /// The findings that miss their goal.
     pub fn missed(&self) -> Vec<&Finding> {
         self.findings().filter(|finding| finding.met == Some(false)).collect()
+    }
+
+    /// Whether all goals are met.
+    ///
+    /// # Errors
+    /// [`Error::Check`] with those that are not.
+    pub fn verdict(&self) -> Result<()> {
+        let line = |f: &Finding| {
+            let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
+            let value = html::number(f.value);
+            format!("\n{}, {}: {} is {value}, expected {goal}", f.approximation, f.case, f.metric)
+        };
+        let lines: Vec<String> = self.missed().into_iter().map(line).collect();
+        if lines.is_empty() {
+            return Ok(());
+        }
+        Err(Error::Check(format!("{} of the goals are missed:{}", lines.len(), lines.concat())))
     }
 }
 

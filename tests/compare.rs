@@ -250,3 +250,26 @@ fn every_metric_has_a_limit() {
     assert!(METRICS.iter().all(|metric| (metric.limit)(&strict()).is_some()));
     assert!(METRICS.iter().all(|metric| (metric.limit)(&Thresholds::default()).is_none()));
 }
+
+/// A reference of two noisy halves has the detail of its mean, less the noise that their difference tells.
+#[test]
+fn noise_of_a_reference_is_no_detail() {
+    let random = |i: usize| ((i as u32).wrapping_mul(2_654_435_761) >> 16) as f32 / 65536.0;
+    let clean = disc(|_, i| 0.3 + 0.4 * random(i));
+    let half = |seed: usize| disc(move |_, i| 0.3 + 0.4 * random(i) + 0.6 * (random(7 * i + seed) - 0.5));
+    let (a, b) = (half(90_001), half(170_003));
+    let (p, q) = (a.premultiplied().unwrap(), b.premultiplied().unwrap());
+    let mean: Vec<[f32; 4]> = (0..p.len()).map(|i| [0, 1, 2, 3].map(|c| 0.5 * (p[i][c] + q[i][c]))).collect();
+    let mut noisy = Film::from_premultiplied(80, 80, &mean);
+    let as_detail = compare(&clean, &noisy).unwrap().inside.unwrap().detail_ratio[0];
+    for (k, half) in [p, q].into_iter().enumerate() {
+        for (c, name) in ["R", "G", "B"].into_iter().enumerate() {
+            noisy.push(format!("half{k}.{name}"), true, half.iter().map(|v| v[c]).collect());
+        }
+    }
+    let taken_off = compare(&clean, &noisy).unwrap().inside.unwrap().detail_ratio[0];
+    assert!(as_detail < 0.65, "{as_detail}");
+    assert!((taken_off - 1.0).abs() < 0.12, "{taken_off}");
+    let other_way = compare(&noisy, &clean).unwrap().inside.unwrap().detail_ratio[0];
+    assert!((other_way * taken_off - 1.0).abs() < 1e-9, "{other_way}");
+}

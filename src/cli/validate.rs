@@ -2,7 +2,7 @@
 
 use super::{Global, interrupt, output, progress::Display};
 use crate::{
-    Error, Result,
+    Result,
     validate::{self, Level},
 };
 use clap::Args;
@@ -27,7 +27,7 @@ pub(super) struct ValidateArgs {
 /// Measures, writes the report, prints the table.
 ///
 /// # Errors
-/// [`Error::Check`] where a goal is missed, and those of [`validate::run`].
+/// As [`validate::Report::verdict`] and [`validate::run`].
 pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
     let level = match (args.quick, args.full) {
         (true, _) => Level::Quick,
@@ -43,22 +43,7 @@ pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
         output::print(&summary(&report))?;
         output::print(&format!("{}\n", options.out.join("report.html").display()))?;
     }
-    let missed = report.missed();
-    if missed.is_empty() {
-        return Ok(());
-    }
-    let line = |f: &&validate::Finding| {
-        let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-        format!(
-            "{}, {}: {} is {}, expected {goal}",
-            f.approximation,
-            f.case,
-            f.metric,
-            validate::html::number(f.value)
-        )
-    };
-    let lines: Vec<_> = missed.iter().map(line).collect();
-    Err(Error::Check(format!("{} goals are missed:\n{}", missed.len(), lines.join("\n"))))
+    report.verdict()
 }
 
 fn summary(report: &validate::Report) -> String {

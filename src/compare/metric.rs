@@ -32,7 +32,8 @@ pub struct Metrics {
     pub color_ratio: [f64; 3],
     /// Power of the luminance's detail in the image divided by that in the reference, each relative to its own mean
     /// luminance squared, in octaves: periods of about 3, 6, 13 and 26 pixels. Less than 1 is too soft, more is too crisp or
-    /// noisy. Noise of the reference counts as detail.
+    /// noisy. Noise is taken off where a film has the means of two halves of its samples, as a reference has; else it counts as
+    /// detail.
     pub detail_ratio: [f64; OCTAVES],
     /// Mean absolute difference of alpha.
     pub alpha_difference: f64,
@@ -49,6 +50,8 @@ pub(super) struct Maps {
     pub hdr_flip: Vec<f32>,
     /// Of the image, of the reference.
     pub detail: [Octaves; 2],
+    /// The noise of each, where it is known.
+    pub noise: [Option<Octaves>; 2],
 }
 
 impl Metrics {
@@ -85,6 +88,7 @@ impl Metrics {
             for (octave, power) in detail.iter_mut().enumerate() {
                 for side in 0..2 {
                     power[side] += maps.detail[side].0[octave][i].powi(2);
+                    power[side] -= maps.noise[side].as_ref().map_or(0.0, |noise| noise.0[octave][i].powi(2));
                 }
             }
         }

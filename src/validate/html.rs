@@ -7,7 +7,7 @@ const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1180px;m
 h1{font-size:1.6em}h2{margin-top:2em;border-bottom:1px solid #ccc}table{border-collapse:collapse;margin:1em 0}\
 caption{text-align:left;padding:.3em 0;color:#444}th,td{padding:.25em .7em;border-bottom:1px solid #e2e2e2;text-align:left}\
 th{background:#f3f3f3}td.n{text-align:right;font-variant-numeric:tabular-nums}.met{color:#00704a}.missed{color:#b3261e;font-weight:600}\
-.row{display:flex;flex-wrap:wrap;gap:10px;margin:1em 0}figure{margin:0;max-width:280px}figure img{width:100%;background:#777;\
+.row{display:flex;flex-wrap:wrap;gap:10px;margin:1em 0}figure{margin:0}.row figure{width:240px}figure img{width:100%;background:#777;\
 image-rendering:pixelated}figcaption{font-size:.85em;color:#444}.plots{display:flex;flex-wrap:wrap;gap:20px}\
 .plots figure{max-width:480px}.plot text{font:11px system-ui,sans-serif;fill:#333}.legend span{margin-right:1.2em;white-space:nowrap}\
 .legend i{display:inline-block;width:1.4em;height:.25em;margin-right:.4em;vertical-align:middle}.skipped{color:#7a4a00}";
@@ -111,10 +111,13 @@ fn section(section: &Section) -> String {
         }
         html += "</div>\n";
     }
-    section.tables.iter().for_each(|t| html += &table(t));
-    for row in &section.pictures {
+    for exhibit in &section.exhibits {
+        exhibit.table.iter().for_each(|t| html += &table(t));
+        if exhibit.pictures.is_empty() {
+            continue;
+        }
         html += "<div class=\"row\">";
-        for picture in row {
+        for picture in &exhibit.pictures {
             let _ = write!(
                 html,
                 "<figure><img src=\"{}\" alt=\"{}\"><figcaption>{}</figcaption></figure>",

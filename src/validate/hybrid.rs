@@ -1,6 +1,6 @@
 //! Hybrid fur and its variants against path tracing of the same fur with all orders of scattering.
 
-use super::{Finding, Goal, Lab, Picture, Section, Table};
+use super::{Exhibit, Finding, Goal, Lab, Picture, Section, Table};
 use crate::compare::{self, Comparison, ErrorImage};
 use crate::film::Film;
 use crate::pathtrace::grow::{GrowOptions, Patch};
@@ -73,7 +73,7 @@ const VARIANTS: [Variant; 7] = [
         best: false,
         set: |w| {
             w.scene.render.fur = Fur::Explicit;
-            w.scene.render.multiple.model = MultipleModel::Transport;
+            w.scene.render.multiple.model = MultipleModel::None;
         },
         equal_time: true,
     },
@@ -95,7 +95,18 @@ const SUBJECTS: [Subject; 3] = [
     Subject { name: "bunny, close", scene: "bunny_close", patch: Some(2.0), slow: true },
 ];
 
-const COATS: [(&str, &str); 2] = [("dark", "brown_mink"), ("light", "arctic_fox")];
+/// Hair, and how its pictures are shown.
+struct Coat {
+    name: &'static str,
+    preset: &'static str,
+    /// Stops, for all pictures of it.
+    exposure: f32,
+}
+
+const COATS: [Coat; 2] = [
+    Coat { name: "dark", preset: "brown_mink", exposure: 0.5 },
+    Coat { name: "light", preset: "arctic_fox", exposure: -1.0 },
+];
 
 /// An approximation's picture.
 struct Shot {
@@ -119,10 +130,10 @@ pub fn run(lab: &Lab) -> Result<Section> {
     }
     let all = subjects.len() * COATS.len();
     for (i, subject) in subjects.iter().enumerate() {
-        for (k, (coat, preset)) in COATS.iter().enumerate() {
-            let case = format!("{}, {coat} ({preset})", subject.name);
+        for (k, coat) in COATS.iter().enumerate() {
+            let case = format!("{}, {} ({})", subject.name, coat.name, coat.preset);
             let place = [i * COATS.len() + k, all];
-            match load(lab, subject, preset) {
+            match load(lab, subject, coat) {
                 Ok((world, assets)) => measure(lab, subject, &case, world, assets, place, &mut section)?,
                 Err(error) if only_files_missing(&error) => section.skipped.push(format!(
                     "{case}: the mesh is not there (scripts/fetch_assets.sh fetches it; PELAGE_ASSETS says where it is)"
@@ -135,10 +146,15 @@ pub fn run(lab: &Lab) -> Result<Section> {
     Ok(section)
 }
 
-fn load(lab: &Lab, subject: &Subject, preset: &str) -> Result<(World, Assets)> {
+fn load(lab: &Lab, subject: &Subject, coat: &Coat) -> Result<(World, Assets)> {
     let [width, height] = lab.choose([80, 60], [160, 120], [320, 240]);
-    let size = [format!("film.width={width}"), format!("film.height={height}")];
-    lab.world(subject.scene, &[&[format!("preset={preset}")][..], &size].concat())
+    let set = [
+        format!("preset={}", coat.preset),
+        format!("film.exposure={}", coat.exposure),
+        format!("film.width={width}"),
+        format!("film.height={height}"),
+    ];
+    lab.world(subject.scene, &set)
 }
 
 fn measure(
@@ -216,8 +232,8 @@ fn measure(
         section.findings.push(find("luminance ratio", m.luminance_ratio, light));
         section.findings.push(find("HDR-FLIP", m.hdr_flip, flip));
     }
-    section.tables.push(table);
-    section.pictures.push(pictures(lab, case, &truth.film, &shots, exposure)?);
+    let pictures = pictures(lab, case, &truth.film, &shots, exposure)?;
+    section.exhibits.push(Exhibit { table: Some(table), pictures });
     Ok(())
 }
 
@@ -260,7 +276,7 @@ fn shoot(
 fn pictures(lab: &Lab, case: &str, truth: &Film, shots: &[Shot], exposure: f32) -> Result<Vec<Picture>> {
     let options = compare::Options { exposure: f64::from(exposure), ..compare::Options::default() };
     let name = |what: &str| format!("hybrid {case} {what}");
-    let mut all = vec![lab.picture(truth, exposure, &name("reference"), &format!("{case}: path traced"))?];
+    let mut all = vec![lab.picture(truth, exposure, &name("reference"), "path traced")?];
     for (variant, shot) in VARIANTS.iter().zip(shots) {
         all.push(lab.picture(&shot.film, exposure, &name(variant.name), variant.name)?);
         if variant.best {
@@ -278,7 +294,7 @@ fn text() -> Vec<String> {
          scattering. It has the renderer's directional lights, hair colours and fibre models: what is measured is the fur's \
          approximations, not the lights'. Pictures of one case have the same exposure."
             .into(),
-        "Strands only has no undercoat; guard hairs are added until it takes about as long as the hybrid. The paper's shading ignores \
+        "Strands only has no undercoat and scatters once; guard hairs are added until it takes about as long as the hybrid. The paper's shading ignores \
          the fibre tables of the scene where it has models of its own. Times are those of one picture at this size on the adapter \
          named above, with all that is done before the first ray."
             .into(),

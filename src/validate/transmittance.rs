@@ -1,7 +1,7 @@
 //! How much light passes a slab of upright hairs.
 
 use super::plot::{Curve, Plot};
-use super::{Finding, Goal, Lab, Section, Table};
+use super::{Exhibit, Finding, Goal, Lab, Section, Table};
 use crate::fibre::Fibre;
 use crate::pathtrace::bvh::Ray;
 use crate::pathtrace::grow::{GrowOptions, Patch, grow};
@@ -174,7 +174,8 @@ pub fn run(lab: &Lab) -> Result<Section> {
         GrowOptions { patch: Some(Patch { centre: Vec3::ZERO, radius: REACH }), undercoat_segments: 32 };
     let mut grown = grow(&world, &grown)?;
     grown.retain(|strands| strands.layer == Layer::Undercoat);
-    let with_fibre = |strands: Vec<Strands>| strands.into_iter().map(|s| (s, Fibre::undercoat(&world.scene))).collect();
+    let with_fibre =
+        |strands: Vec<Strands>| strands.into_iter().map(|s| (s, Fibre::undercoat(&world.scene))).collect();
     let kinds: [(&str, Slab, Vec<Strands>, bool); 3] = [
         ("undercoat grown as strands", slab, grown, true),
         ("strands with random roots", full, vec![full.strands(Roots::Random, 7)], true),
@@ -232,7 +233,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
             .rows
             .push(std::iter::once(format!("{degrees}")).chain(values.map(|v| format!("{v:.4}"))).collect());
     }
-    section.tables.push(table);
+    section.exhibits.push(Exhibit { table: Some(table), pictures: Vec::new() });
     let mut plot = Plot {
         caption: "Transmittance of the slab".into(),
         x: "angle to the normal, degrees".into(),
