@@ -170,7 +170,7 @@ fn of_tracer(lab: &Lab, model: &str, place: [usize; 2]) -> Result<Finding> {
         integrator: Integrator::Path,
         lights: Some(LightModel::Map),
         depth: 1 << 14,
-        samples: Some(lab.choose(16, 32, 128)),
+        samples: Some(lab.choose(64, 256, 1024)),
         assets,
         ..pathtrace::Options::default()
     };

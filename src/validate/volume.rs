@@ -115,7 +115,7 @@ struct Patch {
 
 impl Patch {
     fn measure(lab: &Lab, set: &str, place: [usize; 2]) -> Result<Self> {
-        let [width, height] = lab.choose([80, 60], [160, 120], [240, 180]);
+        let [width, height] = lab.choose([80, 60], [120, 90], [240, 180]);
         let size = [format!("film.width={width}"), format!("film.height={height}")];
         let (mut world, assets): (World, _) = lab.world("patch", &[&[set.to_owned()][..], &size].concat())?;
         let options = pathtrace::Options {
