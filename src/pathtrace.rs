@@ -269,8 +269,14 @@ pub fn render_coats(
             complete = false;
             break;
         }
-        // A pass is never longer than what has been done, so that the clock is seen early, nor shorter than a hundredth.
-        let pass = even(options.pass).max(even(means.samples / 128));
+        // The first pass shows how long one takes; none shall end long after the time.
+        let done_here = means.samples - begin;
+        let within = options.time.map_or(u32::MAX - 1, |time| {
+            let each = seconds / f64::from(done_here.max(1));
+            ((time - seconds) / each.max(1e-9)).clamp(1.0, 1e9) as u32
+        });
+        let wanted = if done_here == 0 { 2 } else { options.pass.max(means.samples / 128) };
+        let pass = even(wanted.min(within));
         let target = means.samples.saturating_add(pass).min(most);
         let mut next = means.clone();
         match tracer.add(&mut next, target, options.cancel) {

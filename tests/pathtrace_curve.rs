@@ -55,7 +55,8 @@ fn case(i: u32) -> Case {
         2 => [1.5 * a + 0.2, 0.1 * b],
         _ => [a, b],
     };
-    let tilt = |k: u32| if i % 3 == 0 { axis } else { (axis + 0.3 * random_direction(i, k)).normalize() };
+    let tilt =
+        |k: u32| if i.is_multiple_of(3) { axis } else { (axis + 0.3 * random_direction(i, k)).normalize() };
     let through = start.lerp(end, 1.2 * r(4) - 0.1) + random_direction(i, 18) * 0.25 * r(5);
     let direction = match i % 5 {
         // End on, exactly and nearly; from within; from all sides.

@@ -112,7 +112,8 @@ fn error_between_halves_falls_as_one_over_the_samples_and_is_that_against_the_tr
     let many = outcome(&world, &Options { samples: Some(256), ..base.clone() });
     let ratio = few.error / many.error;
     println!("16 samples {:.3e}, 256 samples {:.3e}, ratio {ratio:.1}", few.error, many.error);
-    assert!((10.0..40.0).contains(&ratio), "{ratio}");
+    // Evenly spread samples are better than independent ones at the hairs' edges.
+    assert!((12.0..80.0).contains(&ratio), "{ratio}");
     let truth = outcome(&world, &Options { samples: Some(4096), seed: 5, ..base.clone() });
     let actual = pelage::compare::compare(&few.film, &truth.film).unwrap().relative_mse;
     println!("16 samples against the truth: {actual:.3e}");
@@ -167,7 +168,7 @@ fn the_command_writes_goes_on_and_refuses() {
     assert!(std::fs::read(&exr).unwrap() == std::fs::read(&whole).unwrap());
     run(&exr, &["--spp", "6", "--resume", "--depth", "9", "--sampling-seed", "3"])
         .expect(2, &["depth is \"256\"", "sampling_seed"]);
-    run(&exr, &["--spp", "2", "--memory", "1MiB"]).expect(2, &["GiB", "patch"]);
+    run(&exr, &["--spp", "2", "--memory", "16MiB"]).expect(2, &["GiB", "patch"]);
     run(&exr, &["--patch", "0,0,0"]).expect(2, &["x,y,z,r"]);
     let film = io::read(&exr).unwrap();
     assert!(mean(&film, "guard.G") > 0.0 && mean(&film, "undercoat.G") > 0.0 && mean(&film, "base.G") > 0.0);

@@ -250,7 +250,9 @@ impl Bvh {
                 inner[at] = (child, enters[slot]);
                 count += 1;
             }
-            stack.extend_from_slice(&inner[..count]);
+            for entry in inner.iter().take(count) {
+                stack.push(*entry);
+            }
             loop {
                 let Some((child, enter)) = stack.pop() else { return limit };
                 if enter <= limit {
