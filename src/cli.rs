@@ -1,6 +1,7 @@
 //! The command line. Results go to stdout; progress, warnings and errors to stderr.
 //!
-//! Exit codes: 0 done; 1 rendering, input or output failed, or a comparison is past its threshold; 2 wrong usage;
+//! Exit codes: 0 done; 1 rendering, input or output failed, a comparison is past its threshold, or a goal is missed;
+//! 2 wrong usage;
 //! 3 the scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
@@ -19,6 +20,7 @@ mod progress;
 mod reference;
 mod render;
 mod schema;
+mod validate;
 
 use crate::{Error, Result};
 use clap::{Args, Parser, Subcommand};
@@ -34,7 +36,7 @@ struct Cli {
     global: Global,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 rendering or I/O failed, or a comparison is past its threshold; \
+const EXIT_CODES: &str = "Exit codes: 0 done; 1 rendering or I/O failed, a comparison is past its threshold, or a goal is missed; \
 2 wrong usage; 3 scene invalid; 4 no GPU adapter or limits too low; 5 GPU device lost; 130 interrupted.\n\
 The adapter is chosen with WGPU_BACKEND, WGPU_ADAPTER_NAME and WGPU_POWER_PREF; logs with RUST_LOG.";
 
@@ -70,12 +72,14 @@ enum Command {
     Bake(bake::BakeArgs),
     /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
     Lapped(lapped::LappedArgs),
-    /// Compare two images: RMSE, relative MSE, PSNR, FLIP.
+    /// Compare two images: light, structure, FLIP and HDR-FLIP, detail; all, at the silhouette and inside.
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
     Bench(bench::BenchArgs),
     /// Make a figure of the registry.
     Figure(figure::FigureArgs),
+    /// Measure the approximations against the ground truth and write a report; exit with 1 where a goal is missed.
+    Validate(validate::ValidateArgs),
 }
 
 /// Runs the command of this process's arguments, prints what went wrong, and returns the exit code.
@@ -117,6 +121,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Compare(args) => compare::run(args),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),
+        Command::Validate(args) => validate::run(args, &cli.global),
     }
 }
 

@@ -72,7 +72,7 @@
 //! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
 //! | [`film`], [`files`], [`hair`], [`export`], [`compare`] | pictures, files, hair and scenes for other programs, metrics |
 //! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
-//! | [`mod@bench`], [`figure`], [`provenance`] | the paper's Table 1 and figures, and where results came from |
+//! | [`mod@bench`], [`figure`], [`validate`], [`provenance`] | the paper's Table 1 and figures, errors of the approximations, and where results came from |
 //! | [`stats`], [`error`], [`cli`] | counts and times, what can go wrong, the command |
 //!
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
@@ -110,6 +110,7 @@ pub mod shellfin;
 pub mod skin;
 pub mod stats;
 pub mod transport;
+pub mod validate;
 pub mod world;
 
 pub use error::{Error, Result, SceneFault};

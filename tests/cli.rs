@@ -149,6 +149,21 @@ fn compare_fails_past_a_threshold_and_still_writes_the_error_image() {
         pelage(&["compare", &a, &b, flag, "0.001"]).expect(1, &["more than 0.001"]);
         pelage(&["compare", &a, &b, flag, "1"]).expect(0, &[]);
     }
+    for (flag, hard, easy) in [
+        ("--threshold-relative-mse", "1e-9", "1"),
+        ("--threshold-psnr", "200", "1"),
+        ("--threshold-ssim", "1", "0"),
+        ("--threshold-hdr-flip", "1e-9", "1"),
+        ("--threshold-luminance-ratio", "1e-9", "1"),
+        ("--threshold-color-ratio", "1e-9", "1"),
+        ("--threshold-max-abs", "1e-9", "1"),
+    ] {
+        pelage(&["compare", &a, &b, flag, hard]).expect(1, &["than"]);
+        pelage(&["compare", &a, &b, flag, easy]).expect(0, &[]);
+    }
+    pelage(&["compare", &a, &b, "--threshold-ssim", "0", "--region", "silhouette"]).expect(1, &["no pixels"]);
+    pelage(&["compare", &a, &b, "--error", "relative*2", "--exposure", "-1.5", "--band", "3"]).expect(0, &[]);
+    pelage(&["compare", &a, &b, "--error", "flip*2"]).expect(2, &["hdr-flip"]);
     let error = folder.at("error.png");
     pelage(&["compare", &a, &b, "-o", &error, "--threshold-rmse", "0"]).expect(1, &["RMSE"]);
     assert_eq!(image::open(&error).unwrap().to_rgb8().dimensions(), (32, 16));

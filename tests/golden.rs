@@ -83,7 +83,7 @@ fn pictures_are_the_kept_ones() {
         let found = compare::compare(&film, &reference).expect("the same size");
         println!(
             "{name}: RMSE {:.5}, FLIP {:.5}, luminance {:.5}",
-            found.rmse, found.flip, found.luminance_ratio
+            found.all.rmse, found.all.flip, found.all.luminance_ratio
         );
         if let Some(reason) = found.exceeds(&LIMITS) {
             let failed = root().join("target/golden");

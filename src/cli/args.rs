@@ -148,6 +148,14 @@ pub(super) fn threshold(text: &str) -> Result<f64, String> {
     }
 }
 
+/// A finite number of stops.
+pub(super) fn stops(text: &str) -> Result<f64, String> {
+    match text.parse::<f64>() {
+        Ok(x) if x.abs() <= 64.0 => Ok(x),
+        _ => Err(format!("expected a number of stops from -64 to 64, found {text:?}")),
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -3,7 +3,7 @@
 use super::{args, output};
 use crate::{
     Error, Result,
-    compare::{self, ErrorImage, Thresholds},
+    compare::{self, ErrorImage, Options, Region, Thresholds},
     film::{Metadata, io},
     scene::{FilmSpec, Tonemap},
 };
@@ -18,21 +18,82 @@ pub(super) struct CompareArgs {
     /// The reference.
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Fail where the RMSE is larger.
-    #[arg(long, value_name = "X", value_parser = args::threshold)]
-    threshold_rmse: Option<f64>,
-    /// Fail where the mean FLIP is larger.
-    #[arg(long, value_name = "X", value_parser = args::threshold)]
-    threshold_flip: Option<f64>,
     /// Write the error image, .png or .exr.
     #[arg(long = "outfile", short = 'o', value_name = "FILE")]
     outfile: Option<PathBuf>,
-    /// What the error image shows: flip, difference, or difference*FACTOR.
+    /// What the error image shows: flip, hdr-flip, difference, relative, the latter two also with *FACTOR.
     #[arg(long, value_name = "KIND", default_value = "flip", value_parser = error_kind)]
     error: ErrorImage,
+    /// Stops by which both images are exposed.
+    #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = args::stops)]
+    exposure: f64,
+    /// Pixels within this distance of the reference's outline are the silhouette.
+    #[arg(long, value_name = "PIXELS", default_value_t = 8.0, value_parser = args::threshold)]
+    band: f64,
     /// Print JSON.
     #[arg(long)]
     json: bool,
+    #[command(flatten)]
+    limits: Limits,
+}
+
+#[derive(Debug, Args)]
+#[command(next_help_heading = "Thresholds: exit with 1 where one is passed")]
+struct Limits {
+    /// Which pixels the thresholds are for: all, silhouette or inside.
+    #[arg(long, value_name = "REGION", default_value = "all", value_parser = region)]
+    region: Region,
+    /// Largest RMSE.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_rmse: Option<f64>,
+    /// Largest relative MSE.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_relative_mse: Option<f64>,
+    /// Smallest PSNR, dB.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_psnr: Option<f64>,
+    /// Smallest SSIM.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_ssim: Option<f64>,
+    /// Largest mean FLIP.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_flip: Option<f64>,
+    /// Largest mean HDR-FLIP.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_hdr_flip: Option<f64>,
+    /// Largest distance of the ratio of mean luminances from 1.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_luminance_ratio: Option<f64>,
+    /// Largest distance of a ratio of mean colours from 1.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_color_ratio: Option<f64>,
+    /// Largest distance from 1 of the ratio of detail in an octave.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_detail_ratio: Option<f64>,
+    /// Largest mean difference of alpha.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_alpha_difference: Option<f64>,
+    /// Largest difference of a channel.
+    #[arg(long, value_name = "X", value_parser = args::threshold)]
+    threshold_max_abs: Option<f64>,
+}
+
+impl Limits {
+    fn thresholds(&self) -> Thresholds {
+        Thresholds {
+            rmse: self.threshold_rmse,
+            relative_mse: self.threshold_relative_mse,
+            psnr: self.threshold_psnr,
+            ssim: self.threshold_ssim,
+            flip: self.threshold_flip,
+            hdr_flip: self.threshold_hdr_flip,
+            luminance_ratio: self.threshold_luminance_ratio,
+            color_ratio: self.threshold_color_ratio,
+            detail_ratio: self.threshold_detail_ratio,
+            alpha_difference: self.threshold_alpha_difference,
+            max_abs: self.threshold_max_abs,
+        }
+    }
 }
 
 /// Prints the metrics.
@@ -42,45 +103,44 @@ pub(super) struct CompareArgs {
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (image, reference) = (io::read(&args.a)?, io::read(&args.b)?);
-    let result = compare::compare(&image, &reference)?;
+    let options = Options { exposure: args.exposure, band: args.band };
+    let result = compare::compare_with(&image, &reference, &options)?;
     if let Some(path) = &args.outfile {
-        let picture = compare::error_image(&image, &reference, args.error)?;
+        let picture = compare::error_image_with(&image, &reference, args.error, &options)?;
         let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
         let meta = Metadata::of_program().with_command_line(output::command_line());
         io::write(&picture, path, &meta, &spec)?;
     }
-    let json = serde_json::to_value(&result)
-        .map_err(|e| Error::Check(format!("the comparison cannot be written as JSON: {e}")))?;
     if args.json {
+        let json = serde_json::to_value(&result)
+            .map_err(|e| Error::Check(format!("the comparison cannot be written as JSON: {e}")))?;
         output::print_json(&json)?;
     } else {
-        let metrics = [
-            ("RMSE", result.rmse),
-            ("relative MSE", result.relative_mse),
-            ("PSNR, dB", result.psnr),
-            ("SSIM", result.ssim),
-            ("FLIP", result.flip),
-            ("luminance ratio", result.luminance_ratio),
-            ("alpha difference", result.alpha_difference),
-            ("largest difference", result.max_abs),
-        ];
-        let lines: Vec<_> = metrics.iter().map(|(name, value)| format!("{name:<19} {value:.6}\n")).collect();
-        output::print(&lines.concat())?;
+        output::print(&format!("{result}\n"))?;
     }
-    let limits = Thresholds { rmse: args.threshold_rmse, flip: args.threshold_flip, ..Thresholds::default() };
-    match result.exceeds(&limits) {
+    match result.exceeds_in(args.limits.region, &args.limits.thresholds()) {
         None => Ok(()),
         Some(why) => Err(Error::Check(format!("{} and {}: {why}", args.a.display(), args.b.display()))),
     }
 }
 
+fn region(text: &str) -> Result<Region, String> {
+    [Region::All, Region::Silhouette, Region::Inside]
+        .into_iter()
+        .find(|region| region.to_string() == text)
+        .ok_or_else(|| "expected all, silhouette or inside".into())
+}
+
 fn error_kind(text: &str) -> Result<ErrorImage, String> {
-    match text {
-        "flip" => Ok(ErrorImage::Flip),
-        "difference" => Ok(ErrorImage::Difference(1.0)),
-        other => match other.strip_prefix("difference*").map(args::threshold) {
-            Some(factor) => Ok(ErrorImage::Difference(factor? as f32)),
-            None => Err("expected flip, difference, or difference*10 with a factor of your choice".into()),
-        },
+    let factor = |factor: Option<&str>| factor.map_or(Ok(1.0), |f| args::threshold(f).map(|f| f as f32));
+    let (name, times) = text.split_once('*').map_or((text, None), |(name, times)| (name, Some(times)));
+    match (name, times) {
+        ("flip", None) => Ok(ErrorImage::Flip),
+        ("hdr-flip", None) => Ok(ErrorImage::HdrFlip),
+        ("difference", times) => Ok(ErrorImage::Difference(factor(times)?)),
+        ("relative", times) => Ok(ErrorImage::Relative(factor(times)?)),
+        _ => Err("expected flip, hdr-flip, difference or relative, or one of these two with a factor, \
+            such as difference*10"
+            .into()),
     }
 }

@@ -1,0 +1,71 @@
+//! `pelage validate`.
+
+use super::{Global, interrupt, output, progress::Display};
+use crate::{
+    Result,
+    validate::{self, Level},
+};
+use clap::Args;
+use std::path::PathBuf;
+
+#[derive(Debug, Args)]
+pub(super) struct ValidateArgs {
+    /// A few minutes: fewer cases, smaller and noisier pictures.
+    #[arg(long, conflicts_with = "full")]
+    quick: bool,
+    /// All cases, larger pictures, more samples: hours on a few cores.
+    #[arg(long)]
+    full: bool,
+    /// Folder for report.html, report.json and pictures.
+    #[arg(long = "outfile", short = 'o', value_name = "FOLDER", default_value = "out/validate")]
+    outfile: PathBuf,
+    /// Only this experiment: transmittance, furnace, volume or hybrid; may be given several times.
+    #[arg(long, value_name = "NAME")]
+    only: Vec<String>,
+}
+
+/// Measures, writes the report, prints the table.
+///
+/// # Errors
+/// As [`validate::Report::verdict`] and [`validate::run`].
+pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
+    let level = match (args.quick, args.full) {
+        (true, _) => Level::Quick,
+        (_, true) => Level::Full,
+        _ => Level::Usual,
+    };
+    let options = validate::Options { level, out: args.outfile.clone(), only: args.only.clone() };
+    let display = Display::new(global.progress, global.quiet);
+    let report = validate::run(&options, &|progress| display.update(progress), interrupt::listen()?);
+    display.finish();
+    let report = report?;
+    if !global.quiet {
+        output::print(&summary(&report))?;
+        output::print(&format!("{}\n", options.out.join("report.html").display()))?;
+    }
+    report.verdict()
+}
+
+fn summary(report: &validate::Report) -> String {
+    let mut text = String::new();
+    for section in &report.sections {
+        text += &format!("{} ({:.0} s)\n", section.title, section.seconds);
+        for f in &section.findings {
+            let verdict = match f.met {
+                Some(true) => "met",
+                Some(false) => "MISSED",
+                None => "",
+            };
+            let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
+            let value = validate::html::number(f.value);
+            text += format!(
+                "  {:<28} {:<44} {:<40} {value:>9}  {goal:<14} {verdict}",
+                f.approximation, f.case, f.metric
+            )
+            .trim_end();
+            text += "\n";
+        }
+        section.skipped.iter().for_each(|words| text += &format!("  left out: {words}\n"));
+    }
+    text
+}
