@@ -51,6 +51,7 @@ pub struct Prepared<'g> {
     buffers: Vec<Buffer>,
     /// `coat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the light's nodes.
     rows_fibre: Buffer,
+    tables: Tables,
 }
 
 /// Strands on the GPU.
