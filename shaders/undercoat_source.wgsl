@@ -52,6 +52,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let tangent = normalize(normal + fur.lean * t);
     let view = normalize(frame.eye - x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
+    // Light that comes out has been deep in the coat and high in it.
+    let coat = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), 0.5);
     let attenuation = 1.0 - fur.forward_scattering * albedo;
     var ambient = vec3f(0.0);
     var scattered = vec3f(0.0);   // by more than one hair
@@ -65,8 +67,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
             scattered += light.irradiance
-                * sent_radiance(albedo, depth, dot(normal, light.direction), dot(normal, view));
-            let of_light = scattered_field(albedo, depth, dot(normal, light.direction));
+                * sent_radiance(coat, depth, dot(normal, light.direction), dot(normal, view));
+            let of_light = scattered_field(coat, depth, dot(normal, light.direction));
             field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1], light.irradiance.b * of_light[2]);
         }
         if j == fur.key_lights.x && fur.keys > 0u {

@@ -46,10 +46,10 @@ pub struct Table {
     pub flux: [f32; 4],
     /// Weights of light scattered on and back by dual scattering: its density factors.
     pub dual_density: [f32; 2],
-    /// Radiance in the zones for an irradiance of 1: `[tint][depth][cosine of the light]`.
+    /// Radiance in the zones for an irradiance of 1, for the skin's reflectance of each colour: `[tint][colour][depth][cosine of the light]`.
     pub field: Vec<[f32; 4]>,
     /// Radiance that undercoat sends to a view, by its extinction, for an irradiance of 1:
-    /// `[tint][cosine of the view][depth][cosine of the light]`. Hairs scatter into cones: the zones would not do.
+    /// `[tint][cosine of the view][colour][depth][cosine of the light]`. Hairs scatter into cones: the zones would not do.
     pub sent: Vec<f32>,
     /// What a guard hair sends to a view for a radiance of 1 all round, and for one that grows as the cosine to an axis: along
     /// the hair, and along the view's part across the hair: `[tint][sine of the view's inclination]`, the fourth is 0.
@@ -102,10 +102,16 @@ impl Table {
             flux[zone(bin)] += (0.5 * (edges[bin + 1].powi(2) - edges[bin].powi(2))) as f32;
         }
         let cosines: Vec<f64> = (0..COSINES).map(|i| f64::from(cosine(i, 0.0)).max(0.02)).collect();
-        let solved: Vec<_> = (0..TINTS).into_par_iter().map(|i| medium.solve(tint(i), &cosines)).collect();
+        let solved: Vec<_> = (0..TINTS)
+            .into_par_iter()
+            .map(|i| {
+                let operators = medium.operators(tint(i));
+                (medium.skin.map(|skin| medium.solve(&operators, skin, &cosines)), operators)
+            })
+            .collect();
         let (mut field, mut sent) = (Vec::new(), Vec::new());
-        for (solution, operators) in &solved {
-            for d in 0..DEPTHS {
+        for (by_skin, operators) in &solved {
+            for (solution, d) in by_skin.iter().flat_map(|s| (0..DEPTHS).map(move |d| (s, d))) {
                 for (k, mu) in cosines.iter().enumerate() {
                     let mut of_zone = [0.0; 4];
                     // What is blocked by the body itself is dark.
@@ -128,7 +134,7 @@ impl Table {
                         f64::from(weight) * operators.kernel_at(mu, bin) / operators.extinction_at(mu)
                     })
                     .collect();
-                for d in 0..DEPTHS {
+                for (solution, d) in by_skin.iter().flat_map(|s| (0..DEPTHS).map(move |d| (s, d))) {
                     for (k, light) in cosines.iter().enumerate() {
                         let square = f64::from(depth(d)) * light / operators.extinction_at(*light);
                         let sum: f64 =
@@ -176,12 +182,12 @@ fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
 }
 
 /// Directions in which hairs stand around a normal, which is z: unit tangents that lean by `lean` (tangent of the angle) at the tip and
-/// are turned by `jitter`, in the upper half of a coat, which is what is seen.
+/// are turned by `jitter`, at all heights of a coat alike: light that comes out has been deep in it.
 pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
     (0..512)
         .map(|i| {
             let h = hash2(seed, i);
-            let t = 0.5 + 0.5 * random(h, 0);
+            let t = random(h, 0);
             let turn = jitter * t.powf(exponent) * random_direction(h, 1);
             (Vec3::new(lean * t, 0.0, 1.0) + turn).normalize()
         })
@@ -189,12 +195,12 @@ pub fn tangents(lean: f32, jitter: f32, exponent: f32, seed: u32) -> Vec<Vec3> {
 }
 
 impl Table {
-    /// Texels of `field_table`: [`COSINES`] x [`DEPTHS`] x [`TINTS`].
+    /// Texels of `field_table`: [`COSINES`] x 3 [`DEPTHS`] x [`TINTS`].
     pub fn field_texels(&self) -> &[[f32; 4]] {
         &self.field
     }
 
-    /// Texels of `sent_table`: [`COSINES`] x [`DEPTHS`] x ([`COSINES`] [`TINTS`]).
+    /// Texels of `sent_table`: [`COSINES`] x 3 [`DEPTHS`] x ([`COSINES`] [`TINTS`]).
     pub fn sent_texels(&self) -> Vec<[f32; 4]> {
         self.sent.iter().map(|s| [*s, 0.0, 0.0, 0.0]).collect()
     }

@@ -35,6 +35,9 @@ const LIMITS: Thresholds = Thresholds {
     relative_mse: None,
     psnr: None,
     ssim: None,
+    hdr_flip: None,
+    color_ratio: None,
+    detail_ratio: None,
     alpha_difference: None,
     max_abs: None,
 };

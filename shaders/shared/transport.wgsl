@@ -39,6 +39,12 @@ fn table_head(k: i32) -> vec4f {
     return textureLoad(response_table, vec2i(k, ROW_HEAD), 0, 0);
 }
 
+// Coordinates in a table of the cosine to the light and the depth towards it, by colour: the skin below has one.
+fn light_coordinates(size: vec2u, tau: f32, mu: f32, color: u32) -> vec2f {
+    let depth = table_coordinate(sqrt(tau / TAU_BLOCKED), size.y / 3u);
+    return vec2f(table_coordinate(mu, size.x), (depth + f32(color)) / 3.0);
+}
+
 fn field_entry(tint: f32, at: vec2f) -> vec4f {
     let t = tint_layers(tint);
     return mix(textureSampleLevel(field_table, table_sampler, at, i32(t.x), 0.0),
@@ -48,8 +54,8 @@ fn field_entry(tint: f32, at: vec2f) -> vec4f {
 // Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal, for an irradiance of 1.
 fn scattered_field(tint: vec3f, tau: f32, mu: f32) -> mat3x4f {
     let size = textureDimensions(field_table);
-    let at = vec2f(table_coordinate(mu, size.x), table_coordinate(sqrt(tau / TAU_BLOCKED), size.y));
-    return mat3x4f(field_entry(tint.r, at), field_entry(tint.g, at), field_entry(tint.b, at));
+    return mat3x4f(field_entry(tint.r, light_coordinates(size, tau, mu, 0u)),
+        field_entry(tint.g, light_coordinates(size, tau, mu, 1u)), field_entry(tint.b, light_coordinates(size, tau, mu, 2u)));
 }
 
 // Radiance of one colour that undercoat sends to a view, by the places of the depth and light in `at` and of the view.
@@ -70,11 +76,12 @@ fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> f32 {
 // `mu_view`, by its extinction, of light scattered before, for an irradiance of 1.
 fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> vec3f {
     let size = textureDimensions(sent_table);
-    let at = vec2f(table_coordinate(mu_light, size.x), table_coordinate(sqrt(tau / TAU_BLOCKED), size.y));
     let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
     let layer = min(floor(x), f32(size.x - 2u));
     let view = vec2f(layer, x - layer);
-    return vec3f(sent_entry(tint.r, at, view), sent_entry(tint.g, at, view), sent_entry(tint.b, at, view));
+    return vec3f(sent_entry(tint.r, light_coordinates(size, tau, mu_light, 0u), view),
+        sent_entry(tint.g, light_coordinates(size, tau, mu_light, 1u), view),
+        sent_entry(tint.b, light_coordinates(size, tau, mu_light, 2u), view));
 }
 
 // Mean radiance of a field.

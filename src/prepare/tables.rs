@@ -27,8 +27,8 @@ impl Tables {
         let nothing = || upload(gpu, [1, 1, 2], &[[0.0; 4]; 2]);
         let (field, sent, response) = match scattered {
             Some(table) => (
-                upload(gpu, size(DEPTHS, TINTS), table.field_texels())?,
-                upload(gpu, size(DEPTHS, COSINES * TINTS), &table.sent_texels())?,
+                upload(gpu, size(3 * DEPTHS, TINTS), table.field_texels())?,
+                upload(gpu, size(3 * DEPTHS, COSINES * TINTS), &table.sent_texels())?,
                 upload(gpu, size(ROWS, TINTS), &table.response_texels())?,
             ),
             None => (nothing()?, nothing()?, nothing()?),

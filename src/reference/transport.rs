@@ -30,12 +30,14 @@ impl Table {
     pub fn scattered_field(&self, tint: Vec3, tau: f32, mu: f32) -> Field {
         let (d, d_part) = place((tau / DEEPEST).sqrt(), DEPTHS);
         let light = place(mu, COSINES);
-        tint.to_array().map(|tint| {
+        [0, 1, 2].map(|c| {
             let of = |d: usize| {
                 let rows: Vec<[f32; 4]> = (0..TINTS)
-                    .flat_map(|t| self.field[(t * DEPTHS + d) * COSINES..][..COSINES].iter().copied())
+                    .flat_map(|t| {
+                        self.field[((3 * t + c) * DEPTHS + d) * COSINES..][..COSINES].iter().copied()
+                    })
                     .collect();
-                entry(&rows, tint, light)
+                entry(&rows, tint[c], light)
             };
             of(d).lerp(of(d + 1), d_part)
         })
@@ -48,16 +50,16 @@ impl Table {
         let (l, l_part) = place(light, COSINES);
         let (v, v_part) = place(0.5 * view + 0.5, COSINES);
         let mix = |a: f32, b: f32, x: f32| a + (b - a) * x;
-        tint.map(|tint| {
-            let (t, t_part) = tint_place(tint);
+        Vec3::from_array([0, 1, 2].map(|c| {
+            let (t, t_part) = tint_place(tint[c]);
             let at = |t: usize, v: usize, d: usize| {
-                let row = &self.sent[((t * COSINES + v) * DEPTHS + d) * COSINES..];
+                let row = &self.sent[((3 * (t * COSINES + v) + c) * DEPTHS + d) * COSINES..];
                 mix(row[l], row[l + 1], l_part)
             };
             let of_view = |t: usize, v: usize| mix(at(t, v, d), at(t, v, d + 1), d_part);
             let of_tint = |t: usize| mix(of_view(t, v), of_view(t, v + 1), v_part);
             mix(of_tint(t), of_tint(t + 1), t_part)
-        })
+        }))
     }
 
     /// Mean radiance of a field.

@@ -74,7 +74,7 @@ impl Lattice<'_> {
         [Vec3::new(a, b, c), Vec3::new(d, e, f)]
     }
 
-    /// Scattered radiance at a node by all lights of the undercoat; with transport only.
+    /// Scattered radiance at a node by all lights of the undercoat, in a coat of this albedo; with transport only.
     pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
         let mut field = Field::default();
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
@@ -118,9 +118,10 @@ impl Lattice<'_> {
         match (self.multiple, self.table) {
             (MultipleModel::Transport, Some(table)) => {
                 let normal = self.normal(place);
+                let coat = mean_albedo(of_column);
                 for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                     let mu = normal.dot(Vec3::from(light.direction));
-                    let sent = table.sent_radiance(albedo, self.tau(node, j), mu, normal.dot(view));
+                    let sent = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
                     scattered += Vec3::from(light.irradiance) * sent;
                 }
             }
@@ -157,9 +158,14 @@ impl Lattice<'_> {
             sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
         }
         if let Some(table) = self.table {
-            let field = self.field(node, normal, unpack_albedo(of_column.color_root));
+            let field = self.field(node, normal, mean_albedo(of_column));
             sum += table.field_irradiance(&field);
         }
         sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
     }
+}
+
+/// Light that comes out has been deep in the coat and high in it.
+fn mean_albedo(column: &Column) -> Vec3 {
+    unpack_albedo(column.color_root).lerp(unpack_albedo(column.color_tip), 0.5)
 }

@@ -9,7 +9,7 @@ use faer::{Mat, linalg::solvers::Solve};
 use glam::Vec3;
 
 /// Bins of the cosine in a hemisphere. Fibres send light into cones: fewer bins spread it over inclinations by themselves.
-pub const HALF: usize = 12;
+pub const HALF: usize = 16;
 /// Bins in the sphere, from straight down to straight up.
 pub const BINS: usize = 2 * HALF;
 
@@ -25,8 +25,8 @@ pub struct Medium {
     pub tangents: Vec<Vec3>,
     /// Depth of the whole coat.
     pub depth: f64,
-    /// Reflectance of the skin.
-    pub skin: f64,
+    /// Reflectance of the skin, linear RGB.
+    pub skin: [f64; 3],
     /// Seed of the sampling.
     pub seed: u32,
 }
@@ -155,8 +155,7 @@ impl Medium {
     ///
     /// Layers have a source that is even in them; they are added from the skin upwards, and the radiances found from the top
     /// downwards, so that no order of scattering is cut off.
-    pub fn solve(&self, tint: f32, lights: &[f64]) -> (Solution, Operators) {
-        let op = self.operators(tint);
+    pub fn solve(&self, op: &Operators, skin: f64, lights: &[f64]) -> Solution {
         let depths = self.layers();
         let (n, cells) = (HALF, depths.len() - 1);
         // Streams: 0..n go up, n..2n go down, each from flat to steep. A stream that goes up comes from below.
@@ -178,9 +177,9 @@ impl Medium {
             reflects: Mat<f64>,
             emits: Mat<f64>,
         }
-        let mut reflects = Mat::from_fn(n, n, |_, i| self.skin / std::f64::consts::PI * flux[i]);
+        let mut reflects = Mat::from_fn(n, n, |_, i| skin / std::f64::consts::PI * flux[i]);
         let mut emits = Mat::from_fn(n, lights.len(), |_, l| {
-            self.skin / std::f64::consts::PI * lights[l] * (-slant[l] * self.depth).exp()
+            skin / std::f64::consts::PI * lights[l] * (-slant[l] * self.depth).exp()
         });
         let mut stack = Vec::new();
         for k in (0..cells).rev() {
@@ -245,7 +244,7 @@ impl Medium {
             down = through + &layer.back * &up;
             radiance.push(collect(&up, &down));
         }
-        (Solution { depths, radiance }, op)
+        Solution { depths, radiance }
     }
 }
 

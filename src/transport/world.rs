@@ -3,7 +3,6 @@
 use super::slab::Medium;
 use super::{Table, Terms, tangents};
 use crate::World;
-use crate::film::tonemap::luminance;
 use crate::groom::{self, PackedGroom};
 use crate::prepare::vertex_uv;
 use crate::reference::groom::{Maps, Parameter, SkinPoint};
@@ -32,16 +31,16 @@ impl Table {
 
 /// The mean of a world's coat over its skin. Without undercoat it consists of guard hairs.
 fn medium(world: &World, packed: &PackedGroom) -> Medium {
-    let skin = &world.skin;
+    let surface = &world.skin;
     let maps = Maps { groom: &packed.groom, texels: &packed.texels };
-    let uv = vertex_uv(skin);
-    let points: Vec<SkinPoint> = (0..skin.positions.len())
-        .step_by((skin.positions.len() / POINTS).max(1))
+    let uv = vertex_uv(surface);
+    let points: Vec<SkinPoint> = (0..surface.positions.len())
+        .step_by((surface.positions.len() / POINTS).max(1))
         .map(|v| SkinPoint {
-            position: skin.positions[v],
-            normal: skin.normals[v],
+            position: surface.positions[v],
+            normal: surface.normals[v],
             uv: Vec2::from(uv[v]),
-            color: skin.colors.get(v).copied().unwrap_or(Vec3::ONE),
+            color: surface.colors.get(v).copied().unwrap_or(Vec3::ONE),
         })
         .collect();
     let mean = |of: &dyn Fn(&SkinPoint) -> f32| {
@@ -49,7 +48,7 @@ fn medium(world: &World, packed: &PackedGroom) -> Medium {
     };
     let fur = &packed.fur;
     let scene = &world.scene;
-    let skin_color = mean(&|p| luminance(maps.color(Parameter::BaseColor, p)));
+    let skin = [0, 1, 2].map(|c| mean(&|p| maps.color(Parameter::BaseColor, p)[c]).clamp(0.0, 1.0));
     let (fibre, tangents, depth) = if groom::has_undercoat(scene) {
         let shell = Shell::default();
         let coat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
@@ -74,11 +73,5 @@ fn medium(world: &World, packed: &PackedGroom) -> Medium {
         let standing = tangents(lean, packed.groom.spread, 1.0, fur.seed);
         (&packed.guard_fibre, standing, diameter * mean(&of_guard))
     };
-    Medium {
-        fibre: fibre.clone(),
-        tangents,
-        depth: depth.max(0.05),
-        skin: skin_color.clamp(0.0, 1.0),
-        seed: fur.seed,
-    }
+    Medium { fibre: fibre.clone(), tangents, depth: depth.max(0.05), skin, seed: fur.seed }
 }
