@@ -19,8 +19,8 @@ struct Batch {
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
 @group(0) @binding(22) var table_sampler: sampler;
-@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 @group(0) @binding(24) var field_table: texture_2d_array<f32>;
+@group(0) @binding(26) var sent_table: texture_2d_array<f32>;
 @group(0) @binding(25) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
@@ -33,6 +33,7 @@ struct Batch {
 #import shared/groom
 #import shared/roots
 #import shared/strands
+#import shared/map_table
 #import shared/fibre
 #import shared/transport
 #import shared/dual
@@ -126,7 +127,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                     * dual_scatter(ROW_DUAL_GUARD, tint, tangent, lights.lights[j].direction, view, depth);
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_fibre(GUARD_MODEL, guard_fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
         }
         if MULTIPLE == MULTIPLE_TRANSPORT {
             let scattered = scattered_light(cell);

@@ -28,9 +28,6 @@ struct LightingTable {
 @group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
 @group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
 @group(0) @binding(20) var<uniform> coat_fibre: Fibre;
-@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
-@group(0) @binding(22) var table_sampler: sampler;
-@group(0) @binding(23) var guard_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index
@@ -39,6 +36,7 @@ struct LightingTable {
 #import shared/shell_types
 #import shared/lights
 #import shared/groom
+#import shared/map_table
 #import shared/fibre
 #import shared/coat
 #import shared/shellfin_types
@@ -169,8 +167,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 for (var k = 0u; k < 4u; k++) {
                     let turn = 0.7853982 + 1.5707963 * f32(k);
                     let t = normalize(tangent + 1.25 * shellfin.spread * (cos(turn) * side + sin(turn) * other));
-                    guard += 0.25 * through * scatter_fibre(GUARD_MODEL, guard_fibre, guard_table, table_sampler, t, l, view,
-                        row.guard, MEAN_GLINT);
+                    guard += 0.25 * through * scatter_fibre(GUARD_MODEL, guard_fibre, t, l, view, row.guard, MEAN_GLINT);
                 }
             }
         }

@@ -11,8 +11,6 @@
 @group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> lost_rays: array<atomic<u32>>;
 @group(0) @binding(20) var<uniform> coat_fibre: Fibre;
-@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
-@group(0) @binding(22) var table_sampler: sampler;
 
 #import shared/frame
 #import shared/index
@@ -26,6 +24,7 @@
 #import shared/volume
 #import shared/lattice
 #import shared/record
+#import shared/source_table
 #import shared/fibre
 #import shared/coat
 #import shared/march

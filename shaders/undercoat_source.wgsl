@@ -10,9 +10,9 @@
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
 @group(0) @binding(20) var<uniform> coat_fibre: Fibre;
-@group(0) @binding(21) var coat_table: texture_2d_array<f32>;
 @group(0) @binding(22) var table_sampler: sampler;
 @group(0) @binding(24) var field_table: texture_2d_array<f32>;
+@group(0) @binding(26) var sent_table: texture_2d_array<f32>;
 @group(0) @binding(25) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
@@ -25,6 +25,7 @@
 #import shared/column_place
 #import shared/lights
 #import shared/record
+#import shared/source_table
 #import shared/fibre
 #import shared/coat
 #import shared/transport
@@ -63,6 +64,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
         }
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
+            scattered += light.irradiance
+                * sent_radiance(albedo, depth, dot(normal, light.direction), dot(normal, view));
             let of_light = scattered_field(albedo, depth, dot(normal, light.direction));
             field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1], light.irradiance.b * of_light[2]);
         }
@@ -75,7 +78,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
     }
     if MULTIPLE == MULTIPLE_TRANSPORT {
-        scattered = coat_response(albedo, dot(normal, view), field);
         let mean = field_mean(field);
         let slope = field_slope(field);
         let first = node * fur.tau_stride + tau_pairs();

@@ -15,7 +15,7 @@ mod packed;
 mod sadeghi;
 pub mod table;
 
-pub use chiang::{Absorption, Chiang};
+pub use chiang::{Absorption, Chiang, DARKEST};
 pub use kajiya_kay::KajiyaKay;
 pub use medulla::Medulla;
 pub use packed::MODELS;

@@ -23,8 +23,10 @@ const TEXEL: u64 = 8;
 pub struct PackedGroom {
     /// Parameters and guard hairs.
     pub groom: Groom,
-    /// Texels of all maps, four halves each.
+    /// Texels of all maps, four halves each; behind them the tables of the hairs' scattering.
     pub texels: Vec<[u32; 2]>,
+    /// First texels of the tables of guard hairs and undercoat.
+    pub table_bases: [u32; 2],
     /// Undercoat; the lattice and storage fields are set by the renderer.
     pub fur: Fur,
     /// Scattering of guard hairs.
@@ -163,15 +165,23 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
     };
+    let (guard_fibre, coat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
+    let mut texels = maps.finish();
+    let table_bases = [&guard_fibre, &coat_fibre].map(|fibre| {
+        let base = texels.len() as u32;
+        texels.extend(fibre.texels());
+        base
+    });
     let (mut fur, lights) = pack_lights(world, fur);
     fur.tau_stride =
         (fur.lights + 2) / 2 + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
     Ok(PackedGroom {
         groom,
-        texels: maps.finish(),
+        texels,
+        table_bases,
         fur,
-        guard_fibre: Fibre::guard(scene),
-        coat_fibre: Fibre::undercoat(scene),
+        guard_fibre,
+        coat_fibre,
         noise: noise_tables(scene.render.seed),
         lights,
     })

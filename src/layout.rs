@@ -156,10 +156,12 @@ shared! {
         specular_exponent: f32,
         divisor: f32,
         absorption: [f32; 3],
-        padding: u32,
+        table_base: u32,
         variance: [f32; 4],
         turn_sin: [f32; 4],
         turn_cos: [f32; 4],
+        table_size: [u32; 3],
+        padding: u32,
     }
     /// `shared/column.wgsl`
     struct Column {

@@ -49,6 +49,8 @@ pub struct Prepared<'g> {
     /// What the passes are compiled for.
     pub variant: Variant,
     buffers: Vec<Buffer>,
+    /// `coat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the light's nodes.
+    rows_fibre: Buffer,
     tables: Tables,
 }
 
@@ -91,7 +93,8 @@ impl<'g> Prepared<'g> {
         let scattered =
             matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
                 .then(|| Table::of_world(world, &packed));
-        let PackedGroom { groom, texels, mut fur, guard_fibre, coat_fibre, noise, lights } = packed;
+        let PackedGroom { groom, texels, table_bases, mut fur, guard_fibre, coat_fibre, noise, lights } =
+            packed;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
         let vertices = skin.positions.len() as u32;
@@ -102,8 +105,7 @@ impl<'g> Prepared<'g> {
             gpu.uniform("groom", &groom)?,
             gpu.uniform("noise", &noise)?,
             upload_lights(gpu, &lights)?,
-            gpu.uniform("guard_fibre", &guard_fibre.packed())?,
-            gpu.uniform("coat_fibre", &coat_fibre.packed())?,
+            gpu.uniform("guard_fibre", &guard_fibre.packed(table_bases[0]))?,
             gpu.upload("map_texels", 1, &texels)?,
             gpu.upload("corner_uv", 1, &corner_uv(skin))?,
             gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
@@ -130,9 +132,11 @@ impl<'g> Prepared<'g> {
         };
         let variant =
             Variant { stored, nested, guard: guard_fibre.number(), coat: coat_fibre.number(), multiple };
-        let tables = Tables::new(gpu, &guard_fibre, &coat_fibre, scattered.as_ref())?;
+        let tables = Tables::new(gpu, scattered.as_ref())?;
         let passes = gpu.passes(variant)?;
-        let lattice = Lattice::plan(skin, world, &fur, gpu.binding_limit());
+        let coat_table = coat_fibre.texels();
+        let room = gpu.binding_limit().saturating_sub(8 * coat_table.len() as u64);
+        let lattice = Lattice::plan(skin, world, &fur, room);
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
         fur.light_reach = lattice.reach;
@@ -141,6 +145,7 @@ impl<'g> Prepared<'g> {
         let columns = lattice.columns(skin, &edge_numbers, edges);
         fur.columns = columns.len() as u32;
         made.push(gpu.uniform("fur", &fur)?);
+        made.push(gpu.uniform("coat_fibre", &coat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?);
 
         // Step 1
         let neighbours = gpu.storage("neighbours", 1, u64::from(triangles) * 12)?;
@@ -208,8 +213,9 @@ impl<'g> Prepared<'g> {
             variant,
             buffers: made,
             tables,
+            rows_fibre: gpu.uniform("coat_fibre", &coat_fibre.packed(table_bases[1]))?,
         };
-        prepared.light(world, nodes, pairs, timings)?;
+        prepared.light(world, nodes, pairs, &coat_table, timings)?;
         Ok(prepared)
     }
 
@@ -223,8 +229,20 @@ impl<'g> Prepared<'g> {
         self.tables.bind(scope_of(&self.buffers))
     }
 
+    /// [`Prepared::scope`] for the rows of shells and fins.
+    pub(crate) fn rows_scope(&self) -> Scope<'_> {
+        self.scope().with(&[&self.rows_fibre])
+    }
+
     /// Guard hairs' roots, what they take from the light, the light, and their shading.
-    fn light(&mut self, world: &World, nodes: u64, pairs: u32, timings: &mut Timings) -> Result<()> {
+    fn light(
+        &mut self,
+        world: &World,
+        nodes: u64,
+        pairs: u32,
+        table: &[[u32; 2]],
+        timings: &mut Timings,
+    ) -> Result<()> {
         let gpu = self.gpu;
         let deposits = gpu.storage("deposits", 2, nodes * 4)?;
         let extinction = gpu.storage("lattice_extinction", 2, nodes * 4)?;
@@ -254,7 +272,10 @@ impl<'g> Prepared<'g> {
         let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
         let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
         let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.tau_stride) * 4)?;
-        let source = gpu.storage("source", 2, nodes * 16)?;
+        let source = gpu.storage("source", 2, nodes * 16 + table.len() as u64 * 8)?;
+        if !table.is_empty() {
+            gpu.queue.write_buffer(&source.raw, nodes * 16, bytemuck::cast_slice(table));
+        }
         let base_light = gpu.storage("base_light", 2, u64::from(self.fur.columns) * 8)?;
         {
             let mut recorder = Recorder::new(gpu);

@@ -296,7 +296,7 @@ impl<'g> Shellfins<'g> {
     /// Everything that stays from frame to frame, by name.
     pub fn scope(&self) -> Scope<'_> {
         self.prepared
-            .scope()
+            .rows_scope()
             .with(&self.buffers.iter().collect::<Vec<_>>())
             .and("layers", Resource::Texture(&self.textures.layers))
             .and("guard_layers", Resource::Texture(&self.textures.guard))

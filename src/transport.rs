@@ -28,7 +28,7 @@ pub const DEPTHS: usize = 20;
 /// Inclinations of a light or a view to the skin's normal.
 pub const COSINES: usize = 16;
 /// Rows of `response_table` in `shaders/shared/transport.wgsl`.
-pub const ROWS: usize = 7;
+pub const ROWS: usize = 6;
 /// Largest optical depth in a table, and that of a light that is blocked.
 pub const DEEPEST: f32 = 18.0;
 /// Samples for each entry of [`Table::guard`].
@@ -48,8 +48,9 @@ pub struct Table {
     pub dual_density: [f32; 2],
     /// Radiance in the zones for an irradiance of 1: `[tint][depth][cosine of the light]`.
     pub field: Vec<[f32; 4]>,
-    /// Radiance that undercoat sends to a view, by its extinction, for a radiance of 1 in each zone: `[tint][cosine of the view]`.
-    pub response: Vec<[f32; 4]>,
+    /// Radiance that undercoat sends to a view, by its extinction, for an irradiance of 1:
+    /// `[tint][cosine of the view][depth][cosine of the light]`. Hairs scatter into cones: the zones would not do.
+    pub sent: Vec<f32>,
     /// What a guard hair sends to a view for a radiance of 1 all round, and for one that grows as the cosine to an axis: along
     /// the hair, and along the view's part across the hair: `[tint][sine of the view's inclination]`, the fourth is 0.
     pub guard: Vec<[f32; 4]>,
@@ -102,7 +103,7 @@ impl Table {
         }
         let cosines: Vec<f64> = (0..COSINES).map(|i| f64::from(cosine(i, 0.0)).max(0.02)).collect();
         let solved: Vec<_> = (0..TINTS).into_par_iter().map(|i| medium.solve(tint(i), &cosines)).collect();
-        let (mut field, mut response) = (Vec::new(), Vec::new());
+        let (mut field, mut sent) = (Vec::new(), Vec::new());
         for (solution, operators) in &solved {
             for d in 0..DEPTHS {
                 for (k, mu) in cosines.iter().enumerate() {
@@ -121,11 +122,20 @@ impl Table {
             }
             for i in 0..COSINES {
                 let mu = f64::from(cosine(i, -1.0));
-                let mut of_zone = [0.0; 4];
-                for bin in 0..BINS {
-                    of_zone[zone(bin)] += (operators.kernel_at(mu, bin) / operators.extinction_at(mu)) as f32;
+                let response: Vec<f64> = (0..BINS)
+                    .map(|bin| {
+                        let weight = if bin < HALF { terms.backward } else { terms.forward };
+                        f64::from(weight) * operators.kernel_at(mu, bin) / operators.extinction_at(mu)
+                    })
+                    .collect();
+                for d in 0..DEPTHS {
+                    for (k, light) in cosines.iter().enumerate() {
+                        let square = f64::from(depth(d)) * light / operators.extinction_at(*light);
+                        let sum: f64 =
+                            (0..BINS).map(|bin| response[bin] * solution.radiance(square, k, bin)).sum();
+                        sent.push(if d + 1 < DEPTHS { sum as f32 } else { 0.0 });
+                    }
                 }
-                response.push(of_zone);
             }
         }
         Self {
@@ -133,7 +143,7 @@ impl Table {
             flux,
             dual_density: [terms.density[0] * terms.forward, terms.density[1] * terms.backward],
             field,
-            response,
+            sent,
             guard: guard_response(guard),
             dual: [dual::table(&medium.fibre), dual::table(guard)],
         }
@@ -184,6 +194,11 @@ impl Table {
         &self.field
     }
 
+    /// Texels of `sent_table`: [`COSINES`] x [`DEPTHS`] x ([`COSINES`] [`TINTS`]).
+    pub fn sent_texels(&self) -> Vec<[f32; 4]> {
+        self.sent.iter().map(|s| [*s, 0.0, 0.0, 0.0]).collect()
+    }
+
     /// Texels of `response_table`: [`COSINES`] x [`ROWS`] x [`TINTS`].
     pub fn response_texels(&self) -> Vec<[f32; 4]> {
         let [on, back] = self.dual_density;
@@ -193,7 +208,6 @@ impl Table {
         for tint in 0..TINTS {
             let row = |table: &[[f32; 4]]| table[tint * COSINES..][..COSINES].to_vec();
             texels.extend_from_slice(&head);
-            texels.extend(row(&self.response));
             texels.extend(row(&self.guard));
             for dual in &self.dual {
                 for which in 0..2 {

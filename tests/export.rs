@@ -434,3 +434,68 @@ fn the_command_prints_counts_and_sizes() {
     );
     assert!(Path::new(&place).join("scene.xml").is_file());
 }
+
+/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the pieces of the undercoat that are there.
+#[test]
+fn hairs_of_chiangs_model_keep_their_material() {
+    let model = "{ model = 'chiang', roughness = [0.25, 0.4], tilt = -3, ior = 1.45 }";
+    let world = world(&[format!("guard.fibre={model}"), format!("undercoat.fibre={model}")]);
+    let [mut guard, coat]: [Strands; 2] = strands().try_into().expect("two layers");
+    // Black has no logarithm.
+    guard.hairs[0] = Hair { color_root: Vec3::ZERO, color_tip: Vec3::ZERO, ..guard.hairs[0] };
+    let points = (0..8).map(|i| Vec4::new((i / 4) as f32, 0.1 * (i % 4) as f32, 0.5, 0.001)).collect();
+    let tips = [Vec3::new(0.9, 0.5, 0.1), Vec3::splat(0.3)];
+    let hairs = tips.map(|color_tip| Hair { color_tip, present: 0b101, ..coat.hairs[0] }).to_vec();
+    let all = [guard, Strands { segments: 3, points, hairs, ..coat }];
+    let fibre = pelage::fibre::Absorption::by_color(0.4);
+    let write = |folder: &Folder, target| {
+        export::write(&world, &all, &Assets::default(), target, EnvironmentAs::Map, folder.path()).unwrap();
+        text(folder, target.head())
+    };
+
+    let folder = Folder::new();
+    let xml = write(&folder, Target::Mitsuba);
+    assert!(!xml.contains("hairs scatter") && xml.contains("tangent of Mitsuba's hair model"), "{xml:.3000}");
+    for (name, value) in [
+        ("longitudinal_roughness", "0.25"),
+        ("azimuthal_roughness", "0.4"),
+        ("scale_tilt", "-3"),
+        ("int_ior", "1.45"),
+    ] {
+        let found = xml.matches(&format!("<float name=\"{name}\" value=\"{value}\"/>")).count();
+        assert_eq!(found, 2, "{name}");
+    }
+    let curves_text = text(&folder, "undercoat-0000.txt");
+    let starts: Vec<_> =
+        curves_text.trim().split("\n\n").map(|c| Vec4::from_slice(&numbers(c)[4..])).collect();
+    let expected = [0, 2, 4, 6].map(|i| all[1].points[i]);
+    assert_eq!(starts, expected, "segments 0 and 2 of both hairs");
+    // Texels from the last to the first: colours in the middle of the part of a segment that one stands for.
+    let texels = |name: &str, from: usize| -> Vec<Vec3> {
+        let bytes = std::fs::read(folder.path().join(name)).unwrap();
+        let floats: Vec<f32> =
+            bytes[from..].chunks_exact(4).map(|b| f32::from_le_bytes(b.try_into().unwrap())).collect();
+        floats.chunks_exact(3).rev().map(Vec3::from_slice).collect()
+    };
+    let found = texels("undercoat-0000.pfm", 12);
+    assert_eq!(found.len(), 4);
+    for (texel, (hair, s)) in
+        found.iter().zip([(0, 1.0 / 6.0), (0, 5.0 / 6.0), (1, 1.0 / 6.0), (1, 5.0 / 6.0)])
+    {
+        close(*texel, fibre.of(Vec3::splat(0.5).lerp(tips[hair], s)));
+    }
+    let found = texels("guard-0000.pfm", 13);
+    assert_eq!(found.len(), 20);
+    close(found[0], fibre.of(Vec3::ZERO));
+    close(found[12], fibre.of(all[0].color(1, 0.125 / 3.0)));
+    assert!(found[0].x > 1.1 * found[12].x, "black absorbs more");
+
+    let folder = Folder::new();
+    let pbrt = write(&folder, Target::Pbrt);
+    let material = text(&folder, "guard.pbrt");
+    let of_model = "\"float beta_m\" 0.25 \"float beta_n\" 0.4 \"float alpha\" -3 \"float eta\" 1.45";
+    assert!(!pbrt.contains("hairs scatter") && material.contains(of_model), "{material:.1000}");
+    let folder = Folder::new();
+    let blender = write(&folder, Target::Blender);
+    assert!(!blender.contains("hairs scatter") && blender.contains("\"beta_n\": 0.4"), "{blender:.3000}");
+}

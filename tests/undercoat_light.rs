@@ -14,7 +14,7 @@ use lit::Lit;
 use marched::Marched;
 use pelage::reference::hash::hash2;
 use pelage::reference::resolve::Kind;
-use pelage::reference::undercoat::scatter;
+use pelage::reference::undercoat::{color, scatter};
 use pelage::reference::undercoat_light::Attenuator;
 use pelage::reference::undercoat_march::{first_phase, look_up, steps};
 use pelage::reference::view::sample_ray;
@@ -93,7 +93,7 @@ fn look_up_stands_for_the_nested_march() {
                 exact += Vec3::from(light.irradiance)
                     * seen
                     * scatter(scenery.coat, tangent, l, view, albedo)
-                    * albedo;
+                    * color(scenery.coat, albedo);
             }
             a += through * (1.0 - rest) * s.radiance;
             b += through * (1.0 - rest) * exact;

@@ -1,5 +1,5 @@
 // Scattering of the undercoat's hairs.
-// Needs: coat_fibre (uniform Fibre), coat_table, table_sampler; shared/fibre.
+// Needs: coat_fibre (uniform Fibre); shared/fibre.
 
 // The model, fixed when the kernel is compiled.
 override COAT_MODEL: u32 = 0u;
@@ -9,7 +9,7 @@ fn scatter_coat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
     if COAT_MODEL == MODEL_KAJIYA_KAY {
         return vec3f(kajiya_kay(coat_fibre, tangent, l, v));
     }
-    return scatter_fibre(COAT_MODEL, coat_fibre, coat_table, table_sampler, tangent, l, v, tint, MEAN_GLINT);
+    return scatter_fibre(COAT_MODEL, coat_fibre, tangent, l, v, tint, MEAN_GLINT);
 }
 
 // Factor on what `scatter_coat` gives: Kajiya-Kay's colour is that of the place of the look, not of the nodes around it.

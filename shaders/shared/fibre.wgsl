@@ -1,6 +1,7 @@
 // Scattering of hairs. L_o = sum_j E_j f cos(theta_i); theta is the inclination from the plane normal to the tangent. The model is an
 // argument that is known when a kernel is compiled. Far fields that depend on the offset across the fibre are read from a table
 // (src/fibre/table.rs): R, TT, TRT and the rest by azimuth, inclination of the eye and absorption.
+// Needs: far_texel(i), a texel of the buffer that the tables lie in.
 
 struct Fibre {
     intensity: vec3f,       // Sadeghi: R, TT, TRT
@@ -14,10 +15,12 @@ struct Fibre {
     specular_exponent: f32,
     divisor: f32,           // of the colour's logarithm, for its absorption; 0: the absorption is given
     absorption: vec3f,      // per radius
-    padding: u32,
+    table_base: u32,        // first texel of the table
     variance: vec4f,        // longitudinal, of R, TT, TRT and the rest
     turn_sin: vec4f,        // of the shift of theta_o; with a medulla, R has the tilt itself
     turn_cos: vec4f,
+    table_size: vec3u,      // azimuths, inclinations, layers
+    padding: u32,
 }
 
 const MODEL_KAJIYA_KAY: u32 = 0u;
@@ -71,14 +74,29 @@ fn turned(fibre: Fibre, lobe: u32, o: vec2f) -> vec2f {
     return vec2f(o.x * c + o.y * s, abs(o.y * c - o.x * s));
 }
 
+// A layer of the table at a place counted in texels.
+fn far_value(fibre: Fibre, layer: u32, at: vec2f) -> vec4f {
+    let i = min(vec2u(at), fibre.table_size.xy - 2u);
+    let f = at - vec2f(i);
+    let first = fibre.table_base + (layer * fibre.table_size.y + i.y) * fibre.table_size.x + i.x;
+    let next = first + fibre.table_size.x;
+    return mix(mix(far_texel(first), far_texel(first + 1u), f.x), mix(far_texel(next), far_texel(next + 1u), f.x), f.y);
+}
+
+// Albedo of Sadeghi's lobes at an inclination.
+fn lobe_albedo(fibre: Fibre, theta: f32) -> vec3f {
+    let x = (theta * 0.31830989 + 0.5) * f32(fibre.table_size.x - 1u);
+    let i = min(u32(max(x, 0.0)), fibre.table_size.x - 2u);
+    return mix(far_texel(fibre.table_base + i), far_texel(fibre.table_base + i + 1u), x - f32(i)).xyz;
+}
+
 // Far field of a thick fibre, from its table. [Chiang2016], [Yan2017]
-fn scatter_table(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, near: sampler, i: vec2f, o: vec2f, phi: f32, tint: vec3f) -> vec3f {
-    let size = vec2f(textureDimensions(far_table));
+fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: vec3f) -> vec3f {
+    let size = vec2f(fibre.table_size.xy) - 1.0;
     let medulla = model == MODEL_MEDULLA;
-    let layers = textureNumLayers(far_table) - select(0u, 1u, medulla);
-    let theta = asin(min(abs(o.x), 1.0)) * 0.63661977;
-    let y = (theta * (size.y - 1.0) + 0.5) / size.y;
-    let at = vec2f((phi * 0.31830989 * (size.x - 1.0) + 0.5) / size.x, y);
+    let layers = fibre.table_size.z - select(0u, 1u, medulla);
+    let y = asin(min(abs(o.x), 1.0)) * 0.63661977 * size.y;
+    let at = vec2f(phi * 0.31830989 * size.x, y);
     var m = vec4f(0.0, longitudinal(i, turned(fibre, 1u, o), fibre.variance.y),
         longitudinal(i, turned(fibre, 2u, o), fibre.variance.z), 0.0);
     if medulla {
@@ -88,7 +106,7 @@ fn scatter_table(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, nea
         let sin_r = clamp(o.x - 2.0 * fibre.turn_sin.x * u, -1.0, 1.0);
         m.x = longitudinal(i, vec2f(sin_r, sqrt(1.0 - sin_r * sin_r)), max(fibre.variance.x * cos_half * cos_half, 1e-4));
         let x = select(i.x, -i.x, o.x < 0.0) * 0.5 + 0.5;
-        m.w = textureSampleLevel(far_table, near, vec2f((x * (size.x - 1.0) + 0.5) / size.x, y), layers, 0.0).x;
+        m.w = far_value(fibre, layers, vec2f(x * size.x, y)).x;
     } else {
         m.x = longitudinal(i, turned(fibre, 0u, o), fibre.variance.x);
         m.w = longitudinal(i, o, fibre.variance.w);
@@ -103,15 +121,15 @@ fn scatter_table(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, nea
     var color = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
         let layer = min(u32(through[c]), layers - 2u);
-        let low = textureSampleLevel(far_table, near, at, layer, 0.0);
-        let high = textureSampleLevel(far_table, near, at, layer + 1u, 0.0);
+        let low = far_value(fibre, layer, at);
+        let high = far_value(fibre, layer + 1u, at);
         color[c] = dot(mix(low, high, through[c] - f32(layer)), m);
     }
     return color;
 }
 
 // What a hair sends from `l` to `v` (both unit, both leave it), times cos(theta_i). `glint_angle` is the strand's own, radians.
-fn scatter_fibre(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, near: sampler, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
+fn scatter_fibre(model: u32, fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
     if model == MODEL_KAJIYA_KAY {
         return kajiya_kay(fibre, tangent, l, v) * tint;
     }
@@ -124,7 +142,7 @@ fn scatter_fibre(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, nea
     let cos_i = sqrt(max(0.0, 1.0 - sin_i * sin_i));
     if model >= MODEL_CHIANG {
         let cos_o = sqrt(max(0.0, 1.0 - sin_o * sin_o));
-        return scatter_table(model, fibre, far_table, near, vec2f(sin_i, cos_i), vec2f(sin_o, cos_o), phi, tint);
+        return scatter_table(model, fibre, vec2f(sin_i, cos_i), vec2f(sin_o, cos_o), phi, tint);
     }
     // Single scattering R, TT, TRT plus the Kajiya-Kay diffuse term. [Sadeghi2010]
     let theta_i = asin(sin_i);
@@ -142,10 +160,8 @@ fn scatter_fibre(model: u32, fibre: Fibre, far_table: texture_2d_array<f32>, nea
         + fibre.intensity.z * m_trt * (n_r + n_g) * tint * tint;
     let scattered = cos_i * (single / max(cos_d * cos_d, 0.05) + fibre.diffuse * 0.10132118 * tint);
     if model == MODEL_SADEGHI_NORMALISED {
-        let width = f32(textureDimensions(far_table).x);
-        let x = (vec2f(theta_i, theta_o) * 0.31830989 + 0.5) * (width - 1.0) + 0.5;
-        let of_i = textureSampleLevel(far_table, near, vec2f(x.x / width, 0.5), 0, 0.0).xyz;
-        let of_o = textureSampleLevel(far_table, near, vec2f(x.y / width, 0.5), 0, 0.0).xyz;
+        let of_i = lobe_albedo(fibre, theta_i);
+        let of_o = lobe_albedo(fibre, theta_o);
         let albedo_i = of_i.x + tint * (of_i.y + fibre.diffuse + tint * of_i.z);
         let albedo_o = of_o.x + tint * (of_o.y + fibre.diffuse + tint * of_o.z);
         return scattered / max(max(albedo_i, albedo_o), vec3f(1.0));

@@ -1,7 +1,7 @@
 // Multiple scattering in the coat, from the tables of src/transport.rs as textures: `field_table` holds radiance in four zones by the
-// cosine to a light and the optical depth towards it, `response_table` what hairs send on, a kind a row; a layer for each brightness
-// of hair. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
-// Needs: field_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
+// cosine to a light and the optical depth towards it, `sent_table` what undercoat sends to a view by the same, `response_table` what
+// single hairs send on, a kind a row; a layer for each brightness of hair, and in it for each cosine of the view. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
+// Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
 
 // How light scattered by more than one hair is found, fixed when a kernel is compiled.
 override MULTIPLE: u32 = 0u;
@@ -9,10 +9,9 @@ const MULTIPLE_DUAL: u32 = 1u;
 const MULTIPLE_TRANSPORT: u32 = 2u;
 
 const ROW_HEAD: i32 = 0;   // shares of the sphere, fluxes, weights of what is scattered on and back, along the row
-const ROW_COAT: i32 = 1;   // zones, by the cosine of the view to the normal
-const ROW_GUARD: i32 = 2;  // mean, along the hair, across it, by the sine of the view's inclination
-const ROW_DUAL_COAT: i32 = 3;   // two rows, by the sine of the difference angle
-const ROW_DUAL_GUARD: i32 = 5;
+const ROW_GUARD: i32 = 1;  // mean, along the hair, across it, by the sine of the view's inclination
+const ROW_DUAL_COAT: i32 = 2;   // two rows, by the sine of the difference angle
+const ROW_DUAL_GUARD: i32 = 4;
 
 // Texture coordinate of the place `x` (0..1) between the centres of the first and the last of `count` texels.
 fn table_coordinate(x: f32, count: u32) -> f32 {
@@ -53,11 +52,29 @@ fn scattered_field(tint: vec3f, tau: f32, mu: f32) -> mat3x4f {
     return mat3x4f(field_entry(tint.r, at), field_entry(tint.g, at), field_entry(tint.b, at));
 }
 
-// Radiance that undercoat sends to a view of cosine `mu` to the normal, by its extinction.
-fn coat_response(tint: vec3f, mu: f32, field: mat3x4f) -> vec3f {
-    let x = 0.5 * mu + 0.5;
-    return vec3f(dot(response_entry(ROW_COAT, tint.r, x), field[0]), dot(response_entry(ROW_COAT, tint.g, x), field[1]),
-        dot(response_entry(ROW_COAT, tint.b, x), field[2]));
+// Radiance of one colour that undercoat sends to a view, by the places of the depth and light in `at` and of the view.
+fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> f32 {
+    let t = tint_layers(tint);
+    let views = f32(textureNumLayers(sent_table)) / f32(textureNumLayers(response_table));
+    var sum = 0.0;
+    for (var k = 0u; k < 2u; k++) {
+        let layer = i32((t.x + f32(k)) * views + view.x);
+        let of_tint = mix(textureSampleLevel(sent_table, table_sampler, at, layer, 0.0).x,
+            textureSampleLevel(sent_table, table_sampler, at, layer + 1, 0.0).x, view.y);
+        sum += of_tint * select(t.y, 1.0 - t.y, k == 0u);
+    }
+    return sum;
+}
+
+// Radiance that undercoat at an optical depth `tau` towards a light of cosine `mu_light` to the normal sends to a view of cosine
+// `mu_view`, by its extinction, of light scattered before, for an irradiance of 1.
+fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> vec3f {
+    let size = textureDimensions(sent_table);
+    let at = vec2f(table_coordinate(mu_light, size.x), table_coordinate(sqrt(tau / TAU_BLOCKED), size.y));
+    let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
+    let layer = min(floor(x), f32(size.x - 2u));
+    let view = vec2f(layer, x - layer);
+    return vec3f(sent_entry(tint.r, at, view), sent_entry(tint.g, at, view), sent_entry(tint.b, at, view));
 }
 
 // Mean radiance of a field.

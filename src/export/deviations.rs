@@ -62,7 +62,7 @@ fn hairs(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
         Target::Mitsuba => {
             "each segment is a B-spline of its own that follows the cone exactly (Mitsuba 3.9 turns the frame of its linear curves, so that hair \
              on them is wrong); cones are open at both ends and do not join at bends, and hits lie about 9e-5 (1 + largest \
-             coordinate) cm off the surface: keep the model near the origin"
+             coordinate) cm off the surface: keep the model near the origin; scattered light leaves from the surface, not from the axis"
         }
         Target::Pbrt => {
             "each segment is a straight curve of its own, a ribbon that faces the ray with the normals of a cylinder, its width \
@@ -78,6 +78,22 @@ fn hairs(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
     if !job.strands.is_empty() {
         notes.push(ends.into());
     }
+    let slope = steepest(job);
+    if target == Target::Mitsuba && slope > 0.0 {
+        notes.push(format!(
+            "where hairs taper, the tangent of Mitsuba's hair model lies on the surface, turned from the axis by up to {:.3} degrees",
+            slope.atan().to_degrees()
+        ));
+    }
+}
+
+/// Largest change of the radius by length.
+fn steepest(job: &Job<'_>) -> f32 {
+    let slope = |s: curves::Segment| {
+        let [a, b] = s.ends;
+        (b.w - a.w).abs() / a.truncate().distance(b.truncate())
+    };
+    job.strands.iter().flat_map(curves::segments).map(slope).fold(0.0, f32::max)
 }
 
 fn lights(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {

@@ -1,7 +1,10 @@
 //! Hair scattering in the numbers that other renderers' model of [Chiang2016] takes.
 
+pub use crate::fibre::DARKEST;
+
 use crate::{
     Scene,
+    fibre::Absorption,
     pathtrace::strands::Layer,
     scene::{FibreModel, Shading},
 };
@@ -44,18 +47,13 @@ impl LayerMaterial {
 /// The denominator of Chiang's fit for the azimuthal roughness `beta_n`.
 // [Chiang2016] eq. 9
 pub fn fit(beta_n: f32) -> f32 {
-    let b = beta_n;
-    5.969 + b * (-0.215 + b * (2.532 + b * (-10.73 + b * (5.574 + b * 0.245))))
+    Absorption::divisor(beta_n)
 }
-
-/// The darkest colour that is told from black: log 0 has no value.
-pub const DARKEST: f32 = 1e-4;
 
 /// Absorption along a radius for which a pelt of such hairs has about the colour `color`, linear RGB; from [`DARKEST`] to 1.
 // [Chiang2016] eq. 9
 pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
-    let root = color.clamp(Vec3::splat(DARKEST), Vec3::ONE).map(f32::ln) / fit(beta_n);
-    root * root
+    Absorption::by_color(beta_n).of(color)
 }
 
 /// Longitudinal variance of a roughness, radians².

@@ -14,14 +14,20 @@ pub enum Absorption {
     Fixed(Vec3),
 }
 
+/// The darkest colour that is told from black: log 0 has no value.
+pub const DARKEST: f32 = 1e-3;
+
 impl Absorption {
     /// By colour, for an azimuthal roughness in 0..1.
     pub fn by_color(roughness: f32) -> Self {
+        Self::Color(Self::divisor(roughness))
+    }
+
+    /// What the logarithm of a colour is divided by, for an azimuthal roughness in 0..1.
+    // [Chiang2016] sec. 4.2
+    pub fn divisor(roughness: f32) -> f32 {
         let b = roughness;
-        // [Chiang2016] sec. 4.2
-        Self::Color(
-            5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5),
-        )
+        5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5)
     }
 
     /// Of a hair of colour `tint`, per radius.
@@ -29,8 +35,8 @@ impl Absorption {
         match self {
             Self::Fixed(sigma) => *sigma,
             Self::Color(divisor) => {
-                let log =
-                    Vec3::from(tint.clamp(Vec3::splat(1e-3), Vec3::ONE).to_array().map(f32::ln)) / *divisor;
+                let log = Vec3::from(tint.clamp(Vec3::splat(DARKEST), Vec3::ONE).to_array().map(f32::ln))
+                    / *divisor;
                 log * log
             }
         }

@@ -19,10 +19,10 @@ impl Fibre {
         }
     }
 
-    /// The uniform.
-    pub fn packed(&self) -> layout::Fibre {
+    /// The uniform, for a table whose first texel is `base` in its buffer.
+    pub fn packed(&self, base: u32) -> layout::Fibre {
         let none = layout::Fibre::zeroed();
-        match self {
+        let packed = match self {
             Self::KajiyaKay(model) => layout::Fibre {
                 diffuse: model.diffuse,
                 specular: model.specular,
@@ -48,18 +48,27 @@ impl Fibre {
                     [tilt, tilt, 3.0 * tilt, 0.0],
                 )
             }
-        }
+        };
+        layout::Fibre { table_base: base, table_size: self.table().0, ..packed }
     }
 
-    /// Width, height and layers of the table, and its texels: one empty texel where there is none.
-    pub fn texels(&self) -> ([u32; 3], Vec<[f32; 4]>) {
+    /// The table as it lies in buffers, texels of four halves: an even number, none for most models.
+    pub fn texels(&self) -> Vec<[u32; 2]> {
+        let half = |a: f32, b: f32| {
+            u32::from(half::f16::from_f32(a).to_bits()) | (u32::from(half::f16::from_f32(b).to_bits()) << 16)
+        };
+        self.table().1.iter().map(|[r, tt, trt, rest]| [half(*r, *tt), half(*trt, *rest)]).collect()
+    }
+
+    /// Width, height and layers of the table, and its values.
+    fn table(&self) -> ([u32; 3], Vec<[f32; 4]>) {
         if let Self::Sadeghi(super::Sadeghi { albedo: Some(rows), .. }) = self {
-            let texels = rows.iter().map(|[r, tt, trt]| [*r, *tt, *trt, 0.0]).collect();
-            return ([rows.len() as u32, 1, 1], texels);
+            let values = rows.iter().map(|[r, tt, trt]| [*r, *tt, *trt, 0.0]).collect();
+            return ([rows.len() as u32, 1, 1], values);
         }
         match FarTable::shared(self) {
             Some(table) => ([table.phis, table.thetas, table.layers].map(|n| n as u32), table.values.clone()),
-            None => ([1; 3], vec![[0.0; 4]]),
+            None => ([0; 3], Vec::new()),
         }
     }
 }

@@ -1,52 +1,46 @@
-//! Tables of the hairs' scattering, and of multiple scattering, on the GPU.
+//! Tables of multiple scattering on the GPU.
 
 use crate::Result;
-use crate::fibre::Fibre;
 use crate::gpu::{Gpu, Resource, Scope};
 use crate::transport::{COSINES, DEPTHS, ROWS, TINTS, Table};
 use half::f16;
 
-/// One texture a layer of the fur.
+/// The textures that `shaders/shared/transport.wgsl` reads.
 pub(super) struct Tables {
-    guard: wgpu::TextureView,
-    coat: wgpu::TextureView,
     field: wgpu::TextureView,
+    sent: wgpu::TextureView,
     response: wgpu::TextureView,
     sampler: wgpu::Sampler,
 }
 
 impl Tables {
     /// `scattered`: where multiple scattering is looked up in a table.
-    pub(super) fn new(gpu: &Gpu, guard: &Fibre, coat: &Fibre, scattered: Option<&Table>) -> Result<Self> {
+    pub(super) fn new(gpu: &Gpu, scattered: Option<&Table>) -> Result<Self> {
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("table_sampler"),
             mag_filter: wgpu::FilterMode::Linear,
             min_filter: wgpu::FilterMode::Linear,
             ..Default::default()
         });
-        let [guard, coat] = [guard, coat].map(|fibre| {
-            let (size, texels) = fibre.texels();
-            upload(gpu, size, &texels)
-        });
-        let sizes = [DEPTHS, ROWS].map(|rows| [COSINES, rows, TINTS].map(|n| n as u32));
+        let size = |rows: usize, layers: usize| [COSINES, rows, layers].map(|n| n as u32);
         // Bound, but not read, where there is none.
         let nothing = || upload(gpu, [1, 1, 2], &[[0.0; 4]; 2]);
-        let (field, response) = match scattered {
+        let (field, sent, response) = match scattered {
             Some(table) => (
-                upload(gpu, sizes[0], table.field_texels())?,
-                upload(gpu, sizes[1], &table.response_texels())?,
+                upload(gpu, size(DEPTHS, TINTS), table.field_texels())?,
+                upload(gpu, size(DEPTHS, COSINES * TINTS), &table.sent_texels())?,
+                upload(gpu, size(ROWS, TINTS), &table.response_texels())?,
             ),
-            None => (nothing()?, nothing()?),
+            None => (nothing()?, nothing()?, nothing()?),
         };
-        Ok(Self { guard: guard?, coat: coat?, field, response, sampler })
+        Ok(Self { field, sent, response, sampler })
     }
 
-    /// `scope` with `guard_table`, `coat_table`, `field_table`, `response_table` and `table_sampler`.
+    /// `scope` with `field_table`, `sent_table`, `response_table` and `table_sampler`.
     pub(super) fn bind<'a>(&'a self, scope: Scope<'a>) -> Scope<'a> {
         scope
-            .and("guard_table", Resource::Texture(&self.guard))
-            .and("coat_table", Resource::Texture(&self.coat))
             .and("field_table", Resource::Texture(&self.field))
+            .and("sent_table", Resource::Texture(&self.sent))
             .and("response_table", Resource::Texture(&self.response))
             .and("table_sampler", Resource::Sampler(&self.sampler))
     }

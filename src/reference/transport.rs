@@ -41,10 +41,23 @@ impl Table {
         })
     }
 
-    /// Radiance that undercoat sends to a view of cosine `mu` to the normal, by its extinction.
-    pub fn coat_response(&self, tint: Vec3, mu: f32, field: &Field) -> Vec3 {
-        let view = place(0.5 * mu + 0.5, COSINES);
-        Vec3::from_array([0, 1, 2].map(|c| entry(&self.response, tint[c], view).dot(field[c])))
+    /// Radiance that undercoat at an optical depth `tau` towards a light of cosine `light` to the normal sends to a view of cosine
+    /// `view`, by its extinction, of light scattered before, for an irradiance of 1.
+    pub fn sent_radiance(&self, tint: Vec3, tau: f32, light: f32, view: f32) -> Vec3 {
+        let (d, d_part) = place((tau / DEEPEST).sqrt(), DEPTHS);
+        let (l, l_part) = place(light, COSINES);
+        let (v, v_part) = place(0.5 * view + 0.5, COSINES);
+        let mix = |a: f32, b: f32, x: f32| a + (b - a) * x;
+        tint.map(|tint| {
+            let (t, t_part) = tint_place(tint);
+            let at = |t: usize, v: usize, d: usize| {
+                let row = &self.sent[((t * COSINES + v) * DEPTHS + d) * COSINES..];
+                mix(row[l], row[l + 1], l_part)
+            };
+            let of_view = |t: usize, v: usize| mix(at(t, v, d), at(t, v, d + 1), d_part);
+            let of_tint = |t: usize| mix(of_view(t, v), of_view(t, v + 1), v_part);
+            mix(of_tint(t), of_tint(t + 1), t_part)
+        })
     }
 
     /// Mean radiance of a field.

@@ -118,7 +118,11 @@ impl Lattice<'_> {
         match (self.multiple, self.table) {
             (MultipleModel::Transport, Some(table)) => {
                 let normal = self.normal(place);
-                scattered = table.coat_response(albedo, normal.dot(view), &self.field(node, normal, albedo));
+                for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                    let mu = normal.dot(Vec3::from(light.direction));
+                    let sent = table.sent_radiance(albedo, self.tau(node, j), mu, normal.dot(view));
+                    scattered += Vec3::from(light.irradiance) * sent;
+                }
             }
             (MultipleModel::Dual, Some(table)) => {
                 for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
