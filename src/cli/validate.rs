@@ -59,7 +59,7 @@ fn summary(report: &validate::Report) -> String {
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
             let value = validate::html::number(f.value);
             text += format!(
-                "  {:<28} {:<44} {:<40} {value:>9}  {goal:<14} {verdict}",
+                "  {:<38} {:<42} {:<40} {value:>9}  {goal:<14} {verdict}",
                 f.approximation, f.case, f.metric
             )
             .trim_end();

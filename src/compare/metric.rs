@@ -86,9 +86,9 @@ impl Metrics {
             light[0] += f64::from(luminance(rgb(p)));
             light[1] += f64::from(luminance(rgb(q)));
             for (octave, power) in detail.iter_mut().enumerate() {
-                for side in 0..2 {
-                    power[side] += maps.detail[side].0[octave][i].powi(2);
-                    power[side] -= maps.noise[side].as_ref().map_or(0.0, |noise| noise.0[octave][i].powi(2));
+                for ((power, detail), noise) in power.iter_mut().zip(&maps.detail).zip(&maps.noise) {
+                    *power += detail.0[octave][i].powi(2);
+                    *power -= noise.as_ref().map_or(0.0, |noise| noise.0[octave][i].powi(2));
                 }
             }
         }

@@ -6,7 +6,7 @@ use std::fmt::Write;
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#222}\
 h1{font-size:1.6em}h2{margin-top:2em;border-bottom:1px solid #ccc}table{border-collapse:collapse;margin:1em 0}\
 caption{text-align:left;padding:.3em 0;color:#444}th,td{padding:.25em .7em;border-bottom:1px solid #e2e2e2;text-align:left}\
-th{background:#f3f3f3}td.n{text-align:right;font-variant-numeric:tabular-nums}.met{color:#00704a}.missed{color:#b3261e;font-weight:600}\
+th{background:#f3f3f3}td.n{white-space:nowrap;text-align:right;font-variant-numeric:tabular-nums}.met{color:#00704a}.missed{color:#b3261e;font-weight:600}\
 .row{display:flex;flex-wrap:wrap;gap:10px;margin:1em 0}figure{margin:0}.row figure{width:240px}figure img{width:100%;background:#777;\
 image-rendering:pixelated}figcaption{font-size:.85em;color:#444}.plots{display:flex;flex-wrap:wrap;gap:20px}\
 .plots figure{max-width:480px}.plot text{font:11px system-ui,sans-serif;fill:#333}.legend span{margin-right:1.2em;white-space:nowrap}\
