@@ -176,7 +176,8 @@ fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
                     sum += s.weight.x * Vec3::new(1.0, s.direction.x, s.direction.y);
                 }
             }
-            (sum / SAMPLES as f32).extend(0.0).to_array()
+            // As in the coat, no hair sends out more than comes in.
+            (sum / (SAMPLES as f32).max(sum.x)).extend(0.0).to_array()
         })
         .collect()
 }

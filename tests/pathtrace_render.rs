@@ -115,7 +115,7 @@ fn error_between_halves_falls_as_one_over_the_samples_and_is_that_against_the_tr
     // Evenly spread samples are better than independent ones at the hairs' edges.
     assert!((12.0..80.0).contains(&ratio), "{ratio}");
     let truth = outcome(&world, &Options { samples: Some(4096), seed: 5, ..base.clone() });
-    let actual = pelage::compare::compare(&few.film, &truth.film).unwrap().relative_mse;
+    let actual = pelage::compare::compare(&few.film, &truth.film).unwrap().all.relative_mse;
     println!("16 samples against the truth: {actual:.3e}");
     assert!((0.6..1.6).contains(&(actual / few.error)), "{actual} is not {}", few.error);
     // The variance says the same in another way, sequences being better than independent samples.

@@ -16,7 +16,7 @@ impl Lattice {
         /// Wanted distance of columns, cm.
         const SPACING: f32 = 0.2;
         /// Wanted distance of levels in mean free paths of the undercoat.
-        const LEVEL_PATHS: f32 = 4.0;
+        const LEVEL_PATHS: f32 = 2.0;
         let guard = &world.scene.guard;
         let reach = if groom::has_guard(&world.scene) {
             (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
@@ -27,12 +27,12 @@ impl Lattice {
         let mean_edge = (mean_area * 2.309).sqrt();
         let path = if fur.extinction > 0.0 { 1.0 / fur.extinction } else { fur.height / 4.0 };
         let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
-        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(6, 20);
+        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(14, 48);
         let bytes = |edge: u32, levels: u32| {
             // Half an area of the grid's triangles for each of its points.
             let columns =
                 skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
-            columns * u64::from(levels + 1) * u64::from((fur.lights + 2) / 2).max(4) * 4
+            columns * u64::from(levels + 1) * u64::from(fur.tau_stride.max(4)) * 4
         };
         while bytes(edge, levels) > room && edge > 1 {
             edge -= 1;

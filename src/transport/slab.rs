@@ -16,6 +16,9 @@ pub const BINS: usize = 2 * HALF;
 /// Samples of the kernel for each bin.
 const SAMPLES: u32 = 4096;
 
+/// Largest part of the light that hairs scatter on and do not take.
+const LARGEST_ALBEDO: f64 = 0.9995;
+
 /// An even coat on a skin.
 #[derive(Debug, Clone)]
 pub struct Medium {
@@ -135,6 +138,13 @@ impl Medium {
                     let bin = edges.partition_point(|e| *e <= up).clamp(1, BINS) - 1;
                     kernel[o][bin] += shown * f64::from(s.weight.x) / f64::from(SAMPLES);
                 }
+            }
+        }
+        // Artists' lobes may send out more than comes in, and light that is scattered again and again would grow without end.
+        for (row, extinction) in kernel.iter_mut().zip(extinction) {
+            let excess = row.iter().sum::<f64>() / (LARGEST_ALBEDO * extinction);
+            if excess > 1.0 {
+                row.iter_mut().for_each(|k| *k /= excess);
             }
         }
         Operators { extinction, kernel }
