@@ -9,7 +9,7 @@
 @group(0) @binding(6) var<storage, read> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
-@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(9) var<uniform> coat_fibre: Fibre;
 
 #import shared/frame
 #import shared/index
