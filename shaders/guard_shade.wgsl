@@ -18,10 +18,10 @@ struct Batch {
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
-@group(0) @binding(22) var table_sampler: sampler;
-@group(0) @binding(24) var field_table: texture_2d_array<f32>;
-@group(0) @binding(26) var sent_table: texture_2d_array<f32>;
-@group(0) @binding(25) var response_table: texture_2d_array<f32>;
+@group(0) @binding(14) var table_sampler: sampler;
+@group(0) @binding(15) var field_table: texture_2d_array<f32>;
+@group(0) @binding(16) var sent_table: texture_2d_array<f32>;
+@group(0) @binding(17) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index

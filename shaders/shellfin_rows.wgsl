@@ -18,7 +18,7 @@ struct LightingTable {
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
 @group(0) @binding(5) var<uniform> guard_fibre: Fibre;
-@group(0) @binding(6) var<uniform> lighting_table: LightingTable;
+@group(0) @binding(6) var<uniform> coat_fibre: Fibre;
 @group(0) @binding(7) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(9) var<storage, read> vertex_uv: array<vec2f>;
@@ -27,7 +27,8 @@ struct LightingTable {
 @group(0) @binding(12) var<storage, read> brushes: array<Brush>;
 @group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
 @group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
-@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
+// Last: Mesa 22.3's software adapter writes past a table where a branch depends on the eighth uniform buffer.
+@group(0) @binding(15) var<uniform> lighting_table: LightingTable;
 
 #import shared/frame
 #import shared/index

@@ -9,11 +9,11 @@
 @group(0) @binding(6) var<storage, read_write> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
-@group(0) @binding(20) var<uniform> coat_fibre: Fibre;
-@group(0) @binding(22) var table_sampler: sampler;
-@group(0) @binding(24) var field_table: texture_2d_array<f32>;
-@group(0) @binding(26) var sent_table: texture_2d_array<f32>;
-@group(0) @binding(25) var response_table: texture_2d_array<f32>;
+@group(0) @binding(9) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(10) var table_sampler: sampler;
+@group(0) @binding(11) var field_table: texture_2d_array<f32>;
+@group(0) @binding(12) var sent_table: texture_2d_array<f32>;
+@group(0) @binding(13) var response_table: texture_2d_array<f32>;
 
 #import shared/frame
 #import shared/index

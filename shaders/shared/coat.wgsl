@@ -7,7 +7,7 @@ override COAT_MODEL: u32 = 0u;
 // Light from `l` to `v` by a hair of colour `tint`, times the irradiance; of Kajiya-Kay without the colour, see `coat_color`.
 fn scatter_coat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
     if COAT_MODEL == MODEL_KAJIYA_KAY {
-        return vec3f(kajiya_kay(coat_fibre, tangent, l, v));
+        return vec3f(kajiya_kay(coat_fibre.diffuse, coat_fibre.specular, coat_fibre.specular_exponent, tangent, l, v));
     }
     return scatter_fibre(COAT_MODEL, coat_fibre, tangent, l, v, tint, MEAN_GLINT);
 }

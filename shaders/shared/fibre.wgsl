@@ -39,14 +39,14 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
 
 // Kajiya-Kay scattering of light from `l` to `v` (both leave the point), per colour; times the irradiance. The diffuse term is
 // lossless at 1/pi^2 with the sine of the incidence; the specular term sits on the mirror cone T.V = -T.L. [KajiyaKay1989]
-fn kajiya_kay(fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
+fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
     let dot_l = dot(tangent, l);
     let sin_l = sqrt(max(0.0, 1.0 - dot_l * dot_l));
-    var value = fibre.diffuse * 0.10132118 * sin_l;
-    if fibre.specular > 0.0 {
+    var value = diffuse * 0.10132118 * sin_l;
+    if specular > 0.0 {
         let dot_v = dot(tangent, v);
         let mirror = sin_l * sqrt(max(0.0, 1.0 - dot_v * dot_v)) - dot_l * dot_v;
-        value += fibre.specular * pow(max(mirror, 0.0), fibre.specular_exponent) * 0.15915494;
+        value += specular * pow(max(mirror, 0.0), exponent) * 0.15915494;
     }
     return value;
 }
@@ -131,7 +131,7 @@ fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: v
 // What a hair sends from `l` to `v` (both unit, both leave it), times cos(theta_i). `glint_angle` is the strand's own, radians.
 fn scatter_fibre(model: u32, fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
     if model == MODEL_KAJIYA_KAY {
-        return kajiya_kay(fibre, tangent, l, v) * tint;
+        return kajiya_kay(fibre.diffuse, fibre.specular, fibre.specular_exponent, tangent, l, v) * tint;
     }
     let sin_i = clamp(dot(tangent, l), -1.0, 1.0);
     let sin_o = clamp(dot(tangent, v), -1.0, 1.0);
