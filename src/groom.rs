@@ -4,7 +4,8 @@ use crate::fibre::Fibre;
 use crate::layout::{Fur, Groom, Light, Noise, Parameter};
 use crate::maps::MapSet;
 use crate::scene::{
-    Blend, Color, Fur as FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading, ShellLighting,
+    Blend, Color, FibreModel, FibreSpec, Fur as FurLayers, MultipleModel, NoiseDomain, Scalar, Scene,
+    Shading, ShellLighting,
 };
 use crate::{Result, World};
 use glam::Vec3;
@@ -57,11 +58,20 @@ pub fn has_undercoat(scene: &Scene) -> bool {
         && scene.undercoat.height.max() > 0.0
 }
 
-/// How light scattered by more than one hair is found.
+/// How light scattered by more than one hair is found; never [`MultipleModel::Auto`].
 pub fn multiple_model(scene: &Scene) -> MultipleModel {
     match scene.render.shading {
         Shading::Paper => MultipleModel::None,
-        Shading::Physical => scene.render.multiple.model,
+        Shading::Physical => match scene.render.multiple.model {
+            MultipleModel::Auto => {
+                let physical =
+                    |spec: &FibreSpec| matches!(spec.model, Some(FibreModel::Chiang | FibreModel::Medulla));
+                let guard = has_guard(scene) && physical(&scene.guard.fibre);
+                let coat = has_undercoat(scene) && physical(&scene.undercoat.fibre);
+                if guard || coat { MultipleModel::Transport } else { MultipleModel::Similarity }
+            }
+            named => named,
+        },
     }
 }
 

@@ -126,7 +126,7 @@ impl<'g> Prepared<'g> {
         fur.storage = u32::from(stored);
         let nested = world.scene.render.light == LightLookup::Nested;
         let multiple = match groom::multiple_model(&world.scene) {
-            MultipleModel::None | MultipleModel::Similarity => 0,
+            MultipleModel::Auto | MultipleModel::None | MultipleModel::Similarity => 0,
             MultipleModel::Dual => 1,
             MultipleModel::Transport => 2,
         };

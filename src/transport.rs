@@ -13,6 +13,8 @@
 
 pub mod dual;
 pub mod slab;
+#[cfg(test)]
+mod slab_test;
 mod world;
 
 use crate::fibre::{Fibre, Hit};

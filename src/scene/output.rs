@@ -171,10 +171,12 @@ pub struct MultipleScattering {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default, clap::ValueEnum)]
 #[serde(rename_all = "snake_case")]
 pub enum MultipleModel {
+    /// By transport where a coat's fibres are `chiang` or `medulla`, which hardly show light that was scattered once; else by similarity.
+    #[default]
+    Auto,
     /// Not at all.
     None,
     /// A share of what hairs take from a light is not taken: `undercoat.forward_scattering`.
-    #[default]
     Similarity,
     /// Dual scattering, Zinke et al. 2008.
     Dual,

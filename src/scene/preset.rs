@@ -4,6 +4,7 @@ const PRESETS: &[(&str, &str)] = &[
     ("arctic_fox", include_str!("../../presets/arctic_fox.toml")),
     ("black_cat", include_str!("../../presets/black_cat.toml")),
     ("brown_mink", include_str!("../../presets/brown_mink.toml")),
+    ("polar_bear", include_str!("../../presets/polar_bear.toml")),
     ("rabbit", include_str!("../../presets/rabbit.toml")),
     ("raccoon", include_str!("../../presets/raccoon.toml")),
     ("red_fox", include_str!("../../presets/red_fox.toml")),

@@ -63,7 +63,7 @@ pub fn widths() -> [f64; BINS] {
     std::array::from_fn(|k| e[k + 1] - e[k])
 }
 
-fn centre(bin: usize) -> f64 {
+pub(super) fn centre(bin: usize) -> f64 {
     let e = edges();
     0.5 * (e[bin] + e[bin + 1])
 }
@@ -257,7 +257,3 @@ impl Medium {
         Solution { depths, radiance }
     }
 }
-
-#[cfg(test)]
-#[path = "slab_test.rs"]
-mod tests;

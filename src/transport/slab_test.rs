@@ -1,8 +1,10 @@
 //! The adding method against Monte Carlo in the same medium.
 
-use super::*;
-use crate::fibre::{Chiang, KajiyaKay};
+use super::slab::*;
+use crate::fibre::{Chiang, Fibre, Hit, KajiyaKay};
+use crate::reference::hash::{hash2, random};
 use crate::transport::tangents;
+use glam::Vec3;
 use std::f64::consts::PI;
 
 /// Reflectance of the skin.
