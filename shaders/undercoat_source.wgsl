@@ -53,7 +53,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let view = normalize(frame.eye - x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
     // Light that comes out has been deep in the coat and high in it.
-    let coat = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), 0.5);
+    let coat = mean_color(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip));
     let attenuation = 1.0 - fur.forward_scattering * albedo;
     var ambient = vec3f(0.0);
     var scattered = vec3f(0.0);   // by more than one hair

@@ -16,3 +16,15 @@ fn scatter_coat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
 fn coat_color(tint: vec3f) -> vec3f {
     return select(vec3f(1.0), tint, COAT_MODEL == MODEL_KAJIYA_KAY);
 }
+
+// Colour of a hair that takes as much light as the halves of one with these colours do. Where the colour stands for absorption within
+// the hair, that is the square of its logarithm.
+fn mean_color(a: vec3f, b: vec3f) -> vec3f {
+    if COAT_MODEL < MODEL_CHIANG {
+        return 0.5 * (a + b);
+    }
+    let low = vec3f(1e-3);
+    let log_a = log(max(a, low));
+    let log_b = log(max(b, low));
+    return exp(-sqrt(0.5 * (log_a * log_a + log_b * log_b)));
+}

@@ -118,7 +118,7 @@ impl Lattice<'_> {
         match (self.multiple, self.table) {
             (MultipleModel::Transport, Some(table)) => {
                 let normal = self.normal(place);
-                let coat = mean_albedo(of_column);
+                let coat = mean_albedo(self.coat, of_column);
                 for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                     let mu = normal.dot(Vec3::from(light.direction));
                     let sent = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
@@ -158,14 +158,19 @@ impl Lattice<'_> {
             sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
         }
         if let Some(table) = self.table {
-            let field = self.field(node, normal, mean_albedo(of_column));
+            let field = self.field(node, normal, mean_albedo(self.coat, of_column));
             sum += table.field_irradiance(&field);
         }
         sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
     }
 }
 
-/// Light that comes out has been deep in the coat and high in it.
-fn mean_albedo(column: &Column) -> Vec3 {
-    unpack_albedo(column.color_root).lerp(unpack_albedo(column.color_tip), 0.5)
+/// The coat's albedo in the mean: light that comes out has been deep in it and high in it.
+fn mean_albedo(coat: &Fibre, column: &Column) -> Vec3 {
+    let [a, b] = [column.color_root, column.color_tip].map(unpack_albedo);
+    if !matches!(coat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
+        return 0.5 * (a + b);
+    }
+    let log = |c: Vec3| c.max(Vec3::splat(1e-3)).map(f32::ln);
+    (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
 }

@@ -9,7 +9,7 @@ use faer::{Mat, linalg::solvers::Solve};
 use glam::Vec3;
 
 /// Bins of the cosine in a hemisphere. Fibres send light into cones: fewer bins spread it over inclinations by themselves.
-pub const HALF: usize = 16;
+pub const HALF: usize = 24;
 /// Bins in the sphere, from straight down to straight up.
 pub const BINS: usize = 2 * HALF;
 

@@ -11,7 +11,7 @@ use crate::{Error, Result, World, assets::Assets};
 use glam::Vec3;
 
 /// Largest distance of the hybrid's luminance ratio from 1 that is allowed.
-pub const GOAL_LUMINANCE: f64 = 0.15;
+pub const GOAL_LUMINANCE: f64 = 0.1;
 /// Largest HDR-FLIP of the hybrid that is allowed.
 pub const GOAL_HDR_FLIP: f64 = 0.25;
 
