@@ -36,14 +36,6 @@ struct Both {
     middles: Vec<Vec3>,
 }
 
-/// What the hairs of a place count per area across them, relative to the skin: they spread over a layer of another area, and stand
-/// denser across their direction than across the layer where they lean.
-fn crowding(place: &Place, tangent: Vec3) -> f32 {
-    let layer = (place.e1 + place.t * place.w1).cross(place.e2 + place.t * place.w2);
-    let skin = place.e1.cross(place.e2).length();
-    skin / layer.dot(tangent).max(0.3 * layer.length())
-}
-
 impl Both {
     fn new(world: &World) -> Self {
         let packed = groom::pack(world).expect("a groom");
@@ -67,7 +59,7 @@ impl Both {
         })
     }
 
-    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: as it is, and with the hairs' crowding.
+    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: without the hairs' crowding, and as it is.
     fn march(&self, x: Vec3, w: Vec3, length: f32) -> [f64; 2] {
         const STEP: f32 = 0.01;
         let coat = Undercoat { fur: &self.fur, noise: Field::new(2), shell: &self.shell, cells: &[] };
@@ -78,14 +70,14 @@ impl Both {
             if let Some(place) = &place {
                 let medium = coat.at(place);
                 let depth = f64::from(extinction(&self.fur, medium, w) * STEP);
-                sums[0] += depth;
-                sums[1] += depth * f64::from(crowding(place, medium.tangent));
+                sums[0] += depth / f64::from(place.crowding(place.t, medium.tangent));
+                sums[1] += depth;
             }
         }
         sums
     }
 
-    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the volume as it is, and with the crowding.
+    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the volume without the crowding, and as it is.
     fn depths(&self, w: Vec3, starts: &[Vec3], length: f32, kept: impl Fn(Vec3) -> bool) -> [f64; 3] {
         let beam = Beam::new(w);
         let rays: Vec<Vec2> = starts.iter().map(|x| beam.across(*x)).collect();
@@ -105,7 +97,7 @@ impl Both {
 fn report(what: &str, [hairs, volume, crowded]: [f64; 3], tolerance: f64) {
     let off = |x: f64| 100.0 * (x / hairs - 1.0);
     println!(
-        "{what}: hairs {hairs:.4}; volume {volume:.4} ({:+.1} %), with crowding {crowded:.4} ({:+.1} %)",
+        "{what}: hairs {hairs:.4}; volume without crowding {volume:.4} ({:+.1} %), as it is {crowded:.4} ({:+.1} %)",
         off(volume),
         off(crowded)
     );
