@@ -86,8 +86,8 @@ mod tests {
                 _ => assert!(!(silhouette[i] && inside[i])),
             }
         }
-        let opaque = masks(&vec![[0.0, 0.0, 0.0, 1.0]; 12], [4, 3], 4.0);
+        let opaque = masks(&[[0.0, 0.0, 0.0, 1.0]; 12], [4, 3], 4.0);
         assert!(opaque.silhouette.is_none() && opaque.inside.unwrap().iter().all(|p| *p));
-        assert!(masks(&vec![[0.0; 4]; 12], [4, 3], 4.0).inside.is_none());
+        assert!(masks(&[[0.0; 4]; 12], [4, 3], 4.0).inside.is_none());
     }
 }
