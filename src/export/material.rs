@@ -1,4 +1,4 @@
-//! Hair scattering in the numbers that other renderers' model of [Chiang2016] takes.
+//! Hair scattering in the numbers that other renderers' model of Chiang et al. 2016 takes.
 
 pub use crate::fibre::DARKEST;
 

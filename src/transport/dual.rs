@@ -24,7 +24,7 @@ pub struct Shares {
 impl Shares {
     /// Light that hairs behind send back, all orders, less what the hair itself does: R = b + f² R / (1 - b R) for an endless row.
     ///
-    /// DEVIATION: [Zinke2008] keep one and three backward scatterings; this is the whole series.
+    /// DEVIATION: Zinke et al. 2008 keep one and three backward scatterings; this is the whole series.
     pub fn behind(&self) -> f32 {
         let [f, b] = self.share;
         let half = 0.5 * (1.0 + b * b - f * f);
