@@ -16,8 +16,8 @@ pub const BINS: usize = 2 * HALF;
 /// Samples of the kernel for each bin.
 const SAMPLES: u32 = 4096;
 
-/// Largest part of the light that hairs scatter on and do not take.
-const LARGEST_ALBEDO: f64 = 0.9995;
+/// Part of the light that hairs may scatter on: what is more than the sampling's noise above 1 is cut.
+const LARGEST_ALBEDO: f64 = 1.01;
 
 /// An even coat on a skin.
 #[derive(Debug, Clone)]
@@ -142,9 +142,9 @@ impl Medium {
         }
         // Artists' lobes may send out more than comes in, and light that is scattered again and again would grow without end.
         for (row, extinction) in kernel.iter_mut().zip(extinction) {
-            let excess = row.iter().sum::<f64>() / (LARGEST_ALBEDO * extinction);
-            if excess > 1.0 {
-                row.iter_mut().for_each(|k| *k /= excess);
+            let albedo = row.iter().sum::<f64>() / extinction;
+            if albedo > LARGEST_ALBEDO {
+                row.iter_mut().for_each(|k| *k /= albedo);
             }
         }
         Operators { extinction, kernel }
