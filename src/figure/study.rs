@@ -1,5 +1,9 @@
 //! Figures that are more than scenes side by side: each study is a function from a [`Stage`] to a [`Made`].
 
+mod environment;
+mod errors;
+mod orbit;
+mod scaling;
 mod times;
 
 use super::{Made, Stage};
@@ -9,7 +13,10 @@ use crate::Result;
 pub type Study = fn(&Stage) -> Result<Made>;
 
 /// All studies, by the names that `figure.toml` calls them.
-pub static STUDIES: &[(&str, Study)] = &[("times", times::make)];
+pub static STUDIES: &[(&str, Study)] = &[("environment", environment::make), ("errors", errors::make),
+    ("orbit", orbit::make),
+    ("scaling", scaling::make),
+    ("times", times::make)];
 
 /// The study of a name.
 pub fn find(name: &str) -> Option<Study> {
