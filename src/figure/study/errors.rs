@@ -51,11 +51,11 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             made.text += &format!("Left out: {skipped}.\n\n");
         }
     }
-    let exhibits = report.sections.iter().flat_map(|section| &section.exhibits);
+    let mut exhibits = report.sections.iter().flat_map(|section| &section.exhibits);
     let caption = |exhibit: &&validate::Exhibit| {
         exhibit.table.as_ref().is_some_and(|table| table.caption.contains(&settings.shown))
     };
-    let found = exhibits.filter(caption).next_back().ok_or_else(|| {
+    let found = exhibits.rfind(caption).ok_or_else(|| {
         Error::fault(
             stage.folder.join("figure.toml"),
             format!("settings.shown is {:?}: no measured case is called that", settings.shown),
