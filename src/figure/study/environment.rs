@@ -185,7 +185,7 @@ impl Sky {
                 ([corner[0] + scale * x, corner[1] + scale * y], radius, light.irradiance / largest)
             })
             .collect();
-        let ring = 0.006 * height as f32;
+        let ring = (0.006 * height as f32).max(1.0);
         picture(width, height, |x, y| {
             for (centre, radius, hue) in &discs {
                 let distance = (x - centre[0]).hypot(y - centre[1]);
@@ -253,7 +253,7 @@ mod tests {
         let film = sky.marked(&[light], 128, 64);
         let at = unmarked[1] * 128 + unmarked[0];
         assert!((film.plane("G").unwrap()[at] - 1.0).abs() < 1e-3);
-        assert!(film.plane("R").unwrap().contains(&1.0), "a white ring");
+        assert!(film.plane("R").unwrap().iter().any(|red| *red > 0.5), "a white ring");
     }
 
     #[test]
