@@ -73,6 +73,7 @@
 //! | [`film`], [`files`], [`hair`], [`export`], [`compare`] | pictures, files, hair and scenes for other programs, metrics |
 //! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
 //! | [`mod@bench`], [`figure`], [`validate`], [`provenance`] | the paper's Table 1 and figures, errors of the approximations, and where results came from |
+//! | [`report`] | plots and tables of reports |
 //! | [`stats`], [`error`], [`cli`] | counts and times, what can go wrong, the command |
 //!
 //! `ARCHITECTURE.md` in the repository says why things are as they are.
@@ -105,6 +106,7 @@ pub mod prepare;
 pub mod provenance;
 pub mod reference;
 pub mod render;
+pub mod report;
 pub mod scene;
 pub mod shellfin;
 pub mod skin;

@@ -1,18 +1,18 @@
 //! What a measurement or a figure says about its making, and where the files are found that it starts from.
 
 use crate::{Error, Result, gpu::Gpu};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
 /// Who made a result, with what, and when.
-#[derive(Debug, Clone, Serialize)]
+#[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of the program.
-    pub version: &'static str,
+    pub version: String,
     /// Commit it was built from, or `unknown`.
-    pub commit: &'static str,
+    pub commit: String,
     /// The arguments of the process.
     pub command: Vec<String>,
     /// UTC, ISO 8601.
@@ -31,8 +31,8 @@ impl Provenance {
     /// Of this process, now, on an open device.
     pub fn of(gpu: &Gpu) -> Self {
         Self {
-            version: env!("CARGO_PKG_VERSION"),
-            commit: option_env!("PELAGE_COMMIT").unwrap_or("unknown"),
+            version: env!("CARGO_PKG_VERSION").to_owned(),
+            commit: option_env!("PELAGE_COMMIT").unwrap_or("unknown").to_owned(),
             command: std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect(),
             date: iso_utc(SystemTime::now()),
             adapter: gpu.info.name.clone(),

@@ -8,15 +8,14 @@ pub mod furnace;
 pub mod html;
 pub mod hybrid;
 mod lab;
-pub mod plot;
 pub mod transmittance;
 pub mod volume;
 
 pub use lab::Lab;
 
 use crate::provenance::{Provenance, write_json};
+use crate::report::{self, Table, plot::Plot};
 use crate::{Error, Result, gpu::Gpu, render::Progress};
-use plot::Plot;
 use serde::Serialize;
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
@@ -118,17 +117,6 @@ impl Finding {
     }
 }
 
-/// A table as it is shown.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
-pub struct Table {
-    /// What it says.
-    pub caption: String,
-    /// Names of the columns.
-    pub head: Vec<String>,
-    /// Cells.
-    pub rows: Vec<Vec<String>>,
-}
-
 /// A picture beside the report.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Picture {
@@ -201,7 +189,7 @@ impl Report {
     pub fn verdict(&self) -> Result<()> {
         let line = |f: &Finding| {
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-            let value = html::number(f.value);
+            let value = report::number(f.value);
             format!("\n{}, {}: {} is {value}, expected {goal}", f.approximation, f.case, f.metric)
         };
         let lines: Vec<String> = self.missed().into_iter().map(line).collect();

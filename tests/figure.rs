@@ -20,15 +20,17 @@ fn every_figure_has_valid_scenes_and_a_caption() {
             assert!(caption.contains(part), "{name}: no {part:?} in its caption");
         }
         for panel in &figure.panels {
-            match Scene::load(&folder.join(&panel.scene), &panel.set) {
-                Ok(_) => {}
-                // The bunny and its garden are downloaded.
-                Err(e) => assert!(e.to_string().contains("fetch_assets"), "{name}: {e}"),
+            let Some(scene) = &panel.scene else { continue };
+            for set in [panel.set.clone(), [figure.quick.set.clone(), panel.set.clone()].concat()] {
+                match Scene::load(&folder.join(scene), &set) {
+                    Ok(_) => {}
+                    // The bunny and its garden are downloaded.
+                    Err(e) => assert!(e.to_string().contains("fetch_assets"), "{name}: {e}"),
+                }
             }
         }
-        for scene in figure.table.iter().flat_map(|t| &t.scenes) {
-            assert!(folder.join(scene).is_file(), "{name}: {scene}");
-        }
+        let golden = folder.join("golden/golden.json");
+        assert!(golden.is_file(), "{name}: nothing is kept: pelage figure {name} --quick --bless");
     }
 }
 
@@ -59,7 +61,8 @@ fn a_figure_from_end_to_end() {
     let panel = |label: &str, fur: &str| {
         format!("[[panels]]\nlabel = {label:?}\nscene = \"scene.toml\"\nset = [\"render.fur={fur}\"]\n")
     };
-    let head = "title = \"Small\"\nsource = \"nobody\"\ncolumns = 2\nsize = [288, 180]\nspp = 4\n";
+    std::fs::write(place.join("caption.md"), "# Small\n\nTwo *pictures*.\n").unwrap();
+    let head = "title = \"Small\"\nsource = \"nobody\"\ncolumns = 2\nsize = [288, 180]\nspp = 4\nquick.size = [48, 30]\nquick.spp = 1\n";
     std::fs::write(
         place.join("figure.toml"),
         head.to_owned() + &panel("guard hairs", "explicit") + &panel("skin", "base"),
@@ -69,17 +72,20 @@ fn a_figure_from_end_to_end() {
     std::fs::write(place.join("scene.toml"), scene).unwrap();
     let run = command().current_dir(folder.path()).args(["figure", "small", "--quick"]).output().unwrap();
     assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
-    let out = folder.path().join("out/figures/small");
+    let out = place.join("result");
     let mut names: Vec<_> = std::fs::read_dir(&out)
         .unwrap()
         .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
         .collect();
     names.sort();
-    assert_eq!(names, ["a_guard_hairs.exr", "b_skin.exr", "small.json", "small.png"]);
+    assert_eq!(
+        names,
+        ["a_guard_hairs.exr", "a_guard_hairs.png", "b_skin.exr", "b_skin.png", "figure.json", "small.png"]
+    );
     let record: Value =
-        serde_json::from_str(&std::fs::read_to_string(out.join("small.json")).unwrap()).unwrap();
-    assert_eq!(record["panels"][0]["stats"]["fur"], "explicit");
-    assert_eq!(record["panels"][1]["file"], "b_skin.exr");
+        serde_json::from_str(&std::fs::read_to_string(out.join("figure.json")).unwrap()).unwrap();
+    assert_eq!(record["pictures"][0]["stats"]["fur"], "explicit");
+    assert_eq!(record["pictures"][1]["layers"], "b_skin.exr");
     assert!(record["provenance"]["adapter"].as_str().is_some_and(|s| !s.is_empty()));
     let panel = io::read(out.join("a_guard_hairs.exr")).unwrap();
     assert_eq!((panel.width, panel.height), (48, 30));

@@ -57,7 +57,7 @@ fn summary(report: &validate::Report) -> String {
                 None => "",
             };
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-            let value = validate::html::number(f.value);
+            let value = crate::report::number(f.value);
             text += format!(
                 "  {:<38} {:<42} {:<40} {value:>9}  {goal:<14} {verdict}",
                 f.approximation, f.case, f.metric

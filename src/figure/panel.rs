@@ -62,6 +62,16 @@ pub(super) fn assemble(pictures: &[Picture], columns: u32) -> Film {
     Film::from_premultiplied(width as u32, height as u32, &sheet.pixels)
 }
 
+/// Grey with words in its middle, where a picture is missing. Display-linear.
+pub(super) fn slot(width: u32, height: u32, words: &str) -> Film {
+    let [w, h] = [width as usize, height as usize];
+    let mut sheet = Sheet { width: w, pixels: vec![[0.6, 0.6, 0.6, 1.0]; w * h] };
+    if h > 16 && w > 16 {
+        sheet.write(words, [8, h / 2 - 4], (w - 8) / 8, 1);
+    }
+    Film::from_premultiplied(width, height, &sheet.pixels)
+}
+
 struct Sheet {
     width: usize,
     pixels: Vec<[f32; 4]>,

@@ -1,12 +1,12 @@
 //! White hairs in white light: nothing may be lost, nothing gained.
 
-use super::plot::{Curve, Plot};
 use super::{Finding, Goal, Lab, Section};
 use crate::Result;
 use crate::fibre::{Fibre, Hit, offsets};
 use crate::pathtrace::strands::Layer;
 use crate::pathtrace::{self, Integrator, LightModel};
 use crate::reference::hash::{hash2, random};
+use crate::report::plot::{Curve, Plot};
 use crate::scene::{FibreModel, FibreSpec};
 use glam::Vec3;
 use rayon::prelude::*;
@@ -111,6 +111,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
         caption: "White furnace of a single fibre, by its own samples".into(),
         x: "inclination, degrees".into(),
         y: "light sent to the eye".into(),
+        log: [false; 2],
         curves: Vec::new(),
     };
     for (i, (name, spec, kind)) in models.iter().enumerate() {

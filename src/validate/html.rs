@@ -1,6 +1,7 @@
 //! The report as one page: no scripts, nothing from elsewhere; pictures lie beside it.
 
-use super::{Finding, Report, Section, Table};
+use super::{Finding, Report, Section};
+use crate::report::{Table, escape, number};
 use std::fmt::Write;
 
 const STYLE: &str = "body{font:15px/1.45 system-ui,sans-serif;max-width:1180px;margin:2em auto;padding:0 1em;color:#222}\
@@ -11,11 +12,6 @@ th{background:#f3f3f3}td.n{white-space:nowrap;text-align:right;font-variant-nume
 image-rendering:pixelated}figcaption{font-size:.85em;color:#444}.plots{display:flex;flex-wrap:wrap;gap:20px}\
 .plots figure{max-width:480px}.plot text{font:11px system-ui,sans-serif;fill:#333}.legend span{margin-right:1.2em;white-space:nowrap}\
 .legend i{display:inline-block;width:1.4em;height:.25em;margin-right:.4em;vertical-align:middle}.skipped{color:#7a4a00}";
-
-/// Text in HTML.
-pub fn escape(text: &str) -> String {
-    text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
-}
 
 /// The whole page.
 pub fn page(report: &Report) -> String {
@@ -78,16 +74,6 @@ fn findings<'a>(findings: impl Iterator<Item = &'a Finding>) -> String {
         );
     }
     html + "</table>\n"
-}
-
-/// Four significant digits, or as many as a small number needs.
-pub fn number(value: f64) -> String {
-    match value.abs() {
-        v if !v.is_finite() => value.to_string(),
-        v if v >= 1000.0 => format!("{value:.0}"),
-        v if v >= 0.01 || v == 0.0 => format!("{value:.4}"),
-        _ => format!("{value:.2e}"),
-    }
 }
 
 fn section(section: &Section) -> String {

@@ -108,15 +108,9 @@ impl<'a> Lab<'a> {
     /// # Errors
     /// [`Error::Io`].
     pub fn picture(&self, film: &Film, exposure: f32, name: &str, caption: &str) -> Result<Picture> {
-        let file = format!("{}.png", file_name(name));
+        let file = format!("{}.png", crate::report::file_name(name));
         let spec = FilmSpec { tonemap: Tonemap::None, exposure, ..FilmSpec::default() };
         io::write(film, self.out.join(&file), &Metadata::of_program(), &spec)?;
         Ok(Picture { file, caption: caption.to_owned() })
     }
-}
-
-/// Words as a file name.
-fn file_name(words: &str) -> String {
-    let parts = words.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
-    parts.collect::<Vec<_>>().join("_").to_lowercase()
 }

@@ -1,6 +1,5 @@
 //! How much light passes a slab of upright hairs.
 
-use super::plot::{Curve, Plot};
 use super::{Exhibit, Finding, Goal, Lab, Section, Table};
 use crate::fibre::Fibre;
 use crate::pathtrace::bvh::Ray;
@@ -9,6 +8,7 @@ use crate::pathtrace::scene::{Departure, Geometry, Hit};
 use crate::pathtrace::strands::{Hair, Layer, Strands};
 use crate::reference::hash::{hash2, random};
 use crate::reference::{noise::Field, shell::Shell, undercoat::Undercoat, view};
+use crate::report::plot::{Curve, Plot};
 use crate::{Result, World, camera, groom};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 use rayon::prelude::*;
@@ -238,6 +238,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
         caption: "Transmittance of the slab".into(),
         x: "angle to the normal, degrees".into(),
         y: "transmittance".into(),
+        log: [false; 2],
         curves: vec![Curve { name: "Beer and Lambert".into(), points: exact(&slab) }],
     };
     plot.curves.extend(curves.into_iter().map(|(name, points)| Curve { name, points }));

@@ -1,11 +1,11 @@
 //! Undercoat as a volume against the same hairs as strands. Both scatter light once, from the same lights with the same fibre model:
 //! what differs is the volume.
 
-use super::plot::{Curve, Plot};
 use super::{Exhibit, Finding, Goal, Lab, Picture, Section, Table};
 use crate::compare::{self, Comparison, ErrorImage};
 use crate::film::Film;
 use crate::pathtrace::{self, Integrator};
+use crate::report::plot::{Curve, Plot};
 use crate::scene::LightLookup;
 use crate::{Result, World};
 
@@ -91,6 +91,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
                     caption: format!("{y} of volume and strands by {}", sweep.name),
                     x: sweep.name.into(),
                     y: y.into(),
+                    log: [false; 2],
                     curves: WAYS.iter().zip(both).map(curve).collect(),
                 });
             }

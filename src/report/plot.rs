@@ -1,11 +1,11 @@
 //! Small line plots as SVG.
 
-use super::html::escape;
-use serde::Serialize;
+use super::escape;
+use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
 /// A curve.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// What it is.
     pub name: String,
@@ -14,7 +14,7 @@ pub struct Curve {
 }
 
 /// Curves over common axes.
-#[derive(Debug, Clone, Default, PartialEq, Serialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Plot {
     /// What it shows.
     pub caption: String,
@@ -22,6 +22,9 @@ pub struct Plot {
     pub x: String,
     /// Name of the y axis.
     pub y: String,
+    /// Which axes are logarithmic; values there that are not positive are left out.
+    #[serde(default)]
+    pub log: [bool; 2],
     /// The curves.
     pub curves: Vec<Curve>,
 }
@@ -35,7 +38,11 @@ const MARGIN: [f64; 4] = [62.0, 14.0, 12.0, 44.0];
 impl Plot {
     /// The plot as an `svg` element.
     pub fn svg(&self) -> String {
-        let [x, y] = [0, 1].map(|k| Axis::of(self.curves.iter().flat_map(|c| &c.points).map(|p| p[k])));
+        let all = || self.curves.iter().flat_map(|c| &c.points);
+        let [x, y] = [0, 1].map(|k| match self.log[k] {
+            true => Axis::decades(all().map(|p| p[k])),
+            false => Axis::of(all().map(|p| p[k])),
+        });
         let [left, right, top, bottom] = MARGIN;
         let place = |p: [f64; 2]| {
             [
@@ -58,10 +65,11 @@ impl Plot {
                 a[0], a[1], b[0], b[1]
             );
         };
-        x.ticks().for_each(|t| line(place([t, y.low]), place([t, y.high]), "#ddd"));
-        y.ticks().for_each(|t| line(place([x.low, t]), place([x.high, t]), "#ddd"));
-        line(place([x.low, y.low]), place([x.high, y.low]), "#444");
-        line(place([x.low, y.low]), place([x.low, y.high]), "#444");
+        let [low, high] = [[x.lowest(), y.lowest()], [x.highest(), y.highest()]];
+        x.ticks().for_each(|t| line(place([t, low[1]]), place([t, high[1]]), "#ddd"));
+        y.ticks().for_each(|t| line(place([low[0], t]), place([high[0], t]), "#ddd"));
+        line(place(low), place([high[0], low[1]]), "#444");
+        line(place(low), place([low[0], high[1]]), "#444");
         let mut text = |[at_x, at_y]: [f64; 2], anchor: &str, words: &str, more: &str| {
             let _ = write!(
                 svg,
@@ -70,11 +78,11 @@ impl Plot {
             );
         };
         for t in x.ticks() {
-            let [px, py] = place([t, y.low]);
+            let [px, py] = place([t, low[1]]);
             text([px, py + 15.0], "middle", &x.label(t), "");
         }
         for t in y.ticks() {
-            let [px, py] = place([x.low, t]);
+            let [px, py] = place([low[0], t]);
             text([px - 5.0, py + 4.0], "end", &y.label(t), "");
         }
         text([0.5 * (SIZE[0] + left), SIZE[1] - 8.0], "middle", &self.x, "");
@@ -82,7 +90,7 @@ impl Plot {
         text([14.0, middle], "middle", &self.y, &format!(" transform=\"rotate(-90 14 {middle})\""));
         for (curve, color) in self.curves.iter().zip(COLORS.iter().cycle()) {
             let points: Vec<[f64; 2]> =
-                curve.points.iter().filter(|p| p.iter().all(|v| v.is_finite())).map(|p| place(*p)).collect();
+                curve.points.iter().map(|p| place(*p)).filter(|p| p.iter().all(|v| v.is_finite())).collect();
             let path: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
             let _ = write!(
                 svg,
@@ -96,6 +104,31 @@ impl Plot {
         svg + "</svg>"
     }
 
+    /// The plot as a file of its own: on white, with the names of its curves under it.
+    pub fn file(&self) -> String {
+        const LINE: f64 = 17.0;
+        let height = SIZE[1] + LINE * self.curves.len() as f64 + 6.0;
+        let mut svg = format!(
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {height}\" width=\"{0}\" height=\"{height}\">\
+             <style>text{{font:11px system-ui,sans-serif;fill:#333}}</style><rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{1}",
+            SIZE[0],
+            self.svg()
+        );
+        for (k, (curve, color)) in self.curves.iter().zip(COLORS.iter().cycle()).enumerate() {
+            let y = SIZE[1] + LINE * (k as f64 + 0.5);
+            let _ = write!(
+                svg,
+                "<rect x=\"{0}\" y=\"{1}\" width=\"18\" height=\"4\" fill=\"{color}\"/><text x=\"{2}\" y=\"{3}\">{4}</text>",
+                MARGIN[0],
+                y - 2.0,
+                MARGIN[0] + 26.0,
+                y + 4.0,
+                escape(&curve.name)
+            );
+        }
+        svg + "</svg>\n"
+    }
+
     /// What the colours of the curves mean.
     pub fn legend(&self) -> String {
         let entry = |(curve, color): (&Curve, &&str)| {
@@ -105,11 +138,13 @@ impl Plot {
     }
 }
 
-/// A linear axis from one round number to another.
+/// An axis from one round number to another.
 struct Axis {
+    /// Logarithms to the base of ten where `log`.
     low: f64,
     high: f64,
     step: f64,
+    log: bool,
 }
 
 impl Axis {
@@ -129,20 +164,50 @@ impl Axis {
         let step =
             [1.0, 2.0, 5.0, 10.0].into_iter().map(|k| k * power).find(|s| span / s <= 6.0).unwrap_or(power);
         let low = (low / step).floor() * step;
-        Self { low, high: ((high / step).ceil() * step).max(low + step), step }
+        Self { low, high: ((high / step).ceil() * step).max(low + step), step, log: false }
     }
 
+    /// A logarithmic axis over whole decades.
+    fn decades(values: impl Iterator<Item = f64>) -> Self {
+        let (low, high) = values
+            .filter(|v| v.is_finite() && *v > 0.0)
+            .fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), v| (l.min(v.log10()), h.max(v.log10())));
+        let (low, high) = if low > high { (0.0, 1.0) } else { (low.floor(), high.ceil()) };
+        Self { low, high: high.max(low + 1.0), step: 1.0, log: true }
+    }
+
+    fn value(&self, place: f64) -> f64 {
+        if self.log { 10f64.powf(place) } else { place }
+    }
+
+    fn lowest(&self) -> f64 {
+        self.value(self.low)
+    }
+
+    fn highest(&self) -> f64 {
+        self.value(self.high)
+    }
+
+    /// Not finite for what has no place on a logarithmic axis.
     fn part(&self, value: f64) -> f64 {
-        (value - self.low) / (self.high - self.low)
+        let place = if self.log { value.log10() } else { value };
+        (place - self.low) / (self.high - self.low)
     }
 
     fn ticks(&self) -> impl Iterator<Item = f64> + use<> {
-        let (low, step) = (self.low, self.step);
+        let (low, step, log) = (self.low, self.step, self.log);
         let count = ((self.high - low) / step).round() as usize;
-        (0..=count).map(move |k| low + k as f64 * step)
+        (0..=count).map(move |k| low + k as f64 * step).map(move |x| if log { 10f64.powf(x) } else { x })
     }
 
     fn label(&self, value: f64) -> String {
+        if self.log {
+            return if (0.001..1e6).contains(&value) {
+                format!("{}", (value * 1e3).round() / 1e3)
+            } else {
+                format!("{value:e}")
+            };
+        }
         let digits = (-self.step.log10().floor()).clamp(0.0, 9.0) as usize;
         // No minus before a zero.
         format!("{:.digits$}", if value.abs() < 0.5 * self.step { 0.0 } else { value })
@@ -169,6 +234,24 @@ mod tests {
             assert!((ticks[ticks.len() - 1] - axis.high).abs() < 1e-9);
         }
         assert_eq!(Axis::of([0.9, 1.1].into_iter()).label(1.0), "1.00");
+    }
+
+    #[test]
+    fn a_logarithmic_axis_has_whole_decades() {
+        let axis = Axis::decades([0.02, 5.0, -1.0, f64::NAN].into_iter());
+        assert_eq!((axis.lowest(), axis.highest()), (0.01, 10.0));
+        let labels: Vec<String> = axis.ticks().map(|t| axis.label(t)).collect();
+        assert_eq!(labels, ["0.01", "0.1", "1", "10"]);
+        assert!((axis.part(0.1) - 1.0 / 3.0).abs() < 1e-9 && !axis.part(0.0).is_finite());
+        let points = vec![[1.0, 0.0], [2.0, 10.0]];
+        let plot = Plot {
+            log: [false, true],
+            curves: vec![Curve { name: "one".into(), points }],
+            ..Plot::default()
+        };
+        let file = plot.file();
+        assert_eq!(file.matches("<circle").count(), 1, "zero has no place");
+        assert!(file.contains("xmlns") && file.contains(">one</text>"));
     }
 
     #[test]
