@@ -161,10 +161,11 @@ fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
 // Whether a place on a patch lies in its outline, a polygon that is star-shaped around the origin with corners at even angles.
 // [Praun2000]
 fn in_outline(p: vec2f, patch_index: u32) -> bool {
+    let points = max(OUTLINE, 1u);
     let turn = atan2(p.y, p.x) / 6.2831853;
-    let k = min(u32(fract(turn) * f32(OUTLINE)), OUTLINE - 1u);
-    let a = outlines[patch_index * OUTLINE + k];
-    let b = outlines[patch_index * OUTLINE + (k + 1u) % OUTLINE];
+    let k = min(u32(fract(turn) * f32(points)), points - 1u);
+    let a = outlines[patch_index * points + k];
+    let b = outlines[patch_index * points + (k + 1u) % points];
     let ab = b - a;
     let ap = p - a;
     return ab.x * ap.y - ab.y * ap.x >= 0.0;

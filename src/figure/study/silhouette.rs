@@ -8,6 +8,7 @@ use crate::layout::{FinEdge, ShellVertex, Shellfin};
 use crate::reference::hash::{hash2, random};
 use crate::reference::shellfin_raster::fin_fade;
 use crate::shellfin::edges;
+use crate::skin::NONE;
 use crate::{Error, Result, World};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -98,21 +99,23 @@ pub(super) fn shells(stage: &Stage) -> Result<Made> {
         .ok_or_else(|| Error::Check("the skin has no edges".into()))?;
     let mut made = Made::default();
     for (label, shells, with_fin) in
-        [("mesh", 0, false), ("offset shells", settings.shells, false), ("and a fin", settings.shells, true)]
+        [("mesh", 0, false), ("offset shells", settings.shells, false), ("extruded fin", 0, true)]
     {
         let mut canvas = Canvas::new(&world.scene.camera, stage.size());
         mesh(&mut canvas, &world, 1.2);
+        if with_fin {
+            fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
+        }
         for k in 1..=shells {
             let h = height * k as f32 / shells as f32;
             for t in &skin.triangles {
-                canvas.veil(t.map(|v| at(v, h)), BLUE, 0.09);
+                canvas.veil(t.map(|v| at(v, h)), BLUE, 0.12);
             }
             for e in &all {
-                canvas.line([at(e.a, h), at(e.b, h)], BLUE.lerp(Vec3::ONE, 0.35), 0.9, 0.0);
+                // Borders stand out from the edges between triangles.
+                let (pale, width) = if e.opposite[1] == NONE { (0.2, 1.4) } else { (0.75, 0.6) };
+                canvas.line([at(e.a, h), at(e.b, h)], BLUE.lerp(Vec3::ONE, pale), width, 0.0);
             }
-        }
-        if with_fin {
-            fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
         }
         made.shots.push(Shot::drawn(label, canvas.film()));
     }

@@ -4,6 +4,7 @@ use super::super::{Made, Stage};
 use crate::bake::{self, Format, FurTextures, Texture, WriteOptions, compress, ktx2::Encoding, memory};
 use crate::report::{Table, number};
 use crate::{Error, Result};
+use glam::Vec4;
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -89,14 +90,17 @@ fn coded(textures: &FurTextures, encoding: Encoding) -> std::result::Result<(Fur
     Ok((stored, Some(compress::psnr(&before, &after))))
 }
 
-/// The innermost layer in place of all, fading out evenly from the skin.
+/// The innermost layer in place of all, in their mean colour, fading out evenly from the skin.
 // [Lengyel2001] sec. 4: a single image with an alpha ramp
 fn one_layer(textures: &FurTextures) -> FurTextures {
     let count = textures.layers.len() as f32;
+    let sum = |layers: &[Texture]| layers.iter().flat_map(|t| &t.texels).map(|t| Vec4::from(*t)).sum::<Vec4>();
+    let [all, first] = [sum(&textures.layers), sum(&textures.layers[..1])].map(|s| s / s.w.max(1e-9));
+    let tone = (all / first.max(Vec4::splat(1e-9))).truncate().extend(1.0);
     let layer = |l: usize| {
         let part = 1.0 - l as f32 / count;
         let mut texture = textures.layers[0].clone();
-        texture.texels.iter_mut().flatten().for_each(|v| *v *= part);
+        texture.texels.iter_mut().for_each(|t| *t = (Vec4::from(*t) * tone * part).into());
         texture
     };
     FurTextures { layers: (0..textures.layers.len()).map(layer).collect(), ..textures.clone() }
