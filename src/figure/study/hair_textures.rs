@@ -32,7 +32,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     let mut made = Made::default();
 
     let mut canvas = Canvas::new(&camera(edge, height), size);
-    let pixel = 0.5 * size[1] as f32 / (0.44 * (edge * edge * 2.0 + height * height).sqrt());
+    let pixel = 0.5 * size[1] as f32 / (0.48 * (edge * edge * 2.0 + height * height).sqrt());
     ground(&mut canvas, edge);
     for hair in &hairs {
         // Roots at v = 0 are those of the fin's front.
@@ -104,7 +104,7 @@ fn camera(edge: f32, height: f32) -> Camera {
     let middle = Vec3::new(0.5 * edge, 0.46 * height, 0.5 * edge);
     let reach = (edge * edge * 2.0 + height * height).sqrt();
     Camera {
-        eye: (middle + 2.05 * reach * Vec3::new(0.42, 0.5, 1.0).normalize()).into(),
+        eye: (middle + 2.25 * reach * Vec3::new(0.42, 0.5, 1.0).normalize()).into(),
         target: middle.into(),
         fov: 24.0,
         ..Camera::default()
