@@ -8,21 +8,25 @@ mod shellfins;
 use glam::{Vec3, Vec4};
 use pelage::bake::{FurTextures, lod};
 use pelage::gpu::recorder::Timings;
-use pelage::lapped::lap;
 use pelage::gpu::{Recorder, Resource};
+use pelage::lapped::lap;
 use pelage::layout::{FinEdge, FurCorner};
 use pelage::passes::shellfin_raster::{ShellfinRaster, Uses};
 use pelage::reference::film::{halves, unpack};
 use pelage::reference::shellfin_raster::{Picture, Pixel, fin_fade};
 use pelage::reference::shellfin_rows;
-use pelage::scene::BakeSource;
+use pelage::scene::{BakeSource, Mapping};
 use pelage::shellfin::Pictures;
 use shellfins::{Fur, even, fur_world, textures};
 
 /// The GPU's samples (colour and depth) and the twin's.
 fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Option<Vec<(Vec4, f32, Pixel)>> {
     let gpu = gpu::open()?;
-    let fur = Fur::new(gpu, fur_world(text), maps, Vec3::ZERO);
+    let mut world = fur_world(text);
+    if world.scene.lapped.overlapping {
+        world.scene.shells.mapping = Mapping::Lapped;
+    }
+    let fur = Fur::new(gpu, world, maps, Vec3::ZERO);
     let size = fur.frame.tile_size;
     let samples = u64::from(size[0] * size[1]);
     let pictures = Pictures::new(gpu, size).unwrap();
@@ -51,7 +55,9 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let corners: Vec<FurCorner> =
         gpu.read(fur.fur.buffer("fur_corners").unwrap(), u64::from(last) * 24).unwrap();
     let outlines = match fur.world.scene.lapped.overlapping {
-        true => lap(&fur.world.skin, &fur.world.scene).unwrap().patches.into_iter().map(|p| p.outline).collect(),
+        true => {
+            lap(&fur.world.skin, &fur.world.scene).unwrap().patches.into_iter().map(|p| p.outline).collect()
+        }
         false => Vec::new(),
     };
     let edges: Vec<FinEdge> = gpu.read(fur.fur.buffer("fin_edges").unwrap(), 12 * 16).unwrap();
@@ -119,7 +125,7 @@ fn even_layers_are_those_of_the_twin() {
 
 #[test]
 fn overlapping_patches_are_those_of_the_twin() {
-    let text = "mapping = 'lapped'\nfins = false\n[lapped]\noverlapping = true\nradius = 0.5";
+    let text = "fins = false\n[lapped]\noverlapping = true\nradius = 0.5";
     let maps = || even(BakeSource::Particles, 4, false);
     let Some(samples) = both(text, maps(), |_| ()) else { return };
     let (share, fringe) = agreement(&samples, 6e-3);

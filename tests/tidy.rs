@@ -314,7 +314,8 @@ fn the_library_neither_panics_nor_writes_torn_files() {
 #[test]
 fn files_are_short() {
     const MOST: usize = 600;
-    let long = sources().into_iter().filter(|s| !s.path.ends_with(".md"));
+    // Prose and meshes are as long as they are.
+    let long = sources().into_iter().filter(|s| ![".md", ".obj"].iter().any(|end| s.path.ends_with(end)));
     let long = long.map(|s| (s.text.lines().count(), s.path)).filter(|(lines, _)| *lines > MOST);
     assert_none(long.map(|(lines, path)| format!("{path}: {lines} lines, more than {MOST}")).collect());
 }

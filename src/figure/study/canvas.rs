@@ -73,9 +73,11 @@ impl Canvas {
         for y in range(low.y, high.y, height) {
             for x in range(low.x, high.x, width) {
                 let at = glam::DVec2::new(x as f64 + 0.5, y as f64 + 0.5);
-                let seen =
-                    DVec3::new((q - at).perp_dot(r - at), (r - at).perp_dot(p - at), (p - at).perp_dot(q - at))
-                        / area;
+                let seen = DVec3::new(
+                    (q - at).perp_dot(r - at),
+                    (r - at).perp_dot(p - at),
+                    (p - at).perp_dot(q - at),
+                ) / area;
                 if seen.min_element() < 0.0 {
                     continue;
                 }

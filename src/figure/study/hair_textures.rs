@@ -88,7 +88,12 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     let mut rows = Vec::new();
     for (l, of) in textures.manifest.summary.iter().enumerate() {
         let high = textures.manifest.spacing * (l as f32 + 0.5);
-        rows.push(vec![l.to_string(), number(f64::from(high)), number(of.coverage.into()), number(of.optical_depth.into())]);
+        rows.push(vec![
+            l.to_string(),
+            number(f64::from(high)),
+            number(of.coverage.into()),
+            number(of.optical_depth.into()),
+        ]);
         if l == 0 || l + 1 == count {
             made.value(&format!("coverage of layer {l}"), of.coverage.into(), 0.005);
         }

@@ -1,9 +1,9 @@
 //! A skin, the direction of its hair, and the patches that cover it.
 
 use super::super::{Made, Shot, Stage};
+use crate::Result;
 use crate::lapped::{self, Statistics};
 use crate::report::{Table, number};
-use crate::Result;
 use serde::Deserialize;
 
 #[derive(Deserialize)]

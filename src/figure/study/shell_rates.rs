@@ -59,9 +59,15 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         let half = all.with_layers(&world, (all.shells / 2).max(1));
         let half = Row::measure(stage.gpu, &half, &model.name, settings.runs)?;
         if half.shells * 2 != all.shells {
-            return Err(Error::Check(format!("{}: {} shells are not half of {}", model.name, half.shells, all.shells)));
+            return Err(Error::Check(format!(
+                "{}: {} shells are not half of {}",
+                model.name, half.shells, all.shells
+            )));
         }
-        stage.tell(&format!("{}: {:.1} and {:.1} frames a second", model.name, half.fps.median, all.fps.median))?;
+        stage.tell(&format!(
+            "{}: {:.1} and {:.1} frames a second",
+            model.name, half.fps.median, all.fps.median
+        ))?;
         let p = &model.paper;
         rows.push(vec![
             format!("{}, ours", model.name),

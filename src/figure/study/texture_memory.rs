@@ -45,12 +45,18 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     }
 
     let mut rows = Vec::new();
-    for (label, encoding) in
-        [("RGBA8", Encoding::Rgba8), ("BC3 (DXT5)", Encoding::Bc3), ("BC7", Encoding::Bc7), ("one layer, ramp", Encoding::Rgba8)]
-    {
+    for (label, encoding) in [
+        ("RGBA8", Encoding::Rgba8),
+        ("BC3 (DXT5)", Encoding::Bc3),
+        ("BC7", Encoding::Bc7),
+        ("one layer, ramp", Encoding::Rgba8),
+    ] {
         let ramp = label.starts_with("one");
-        let (stored, psnr) =
-            if ramp { (one_layer(&textures), None) } else { coded(&textures, encoding).map_err(Error::Check)? };
+        let (stored, psnr) = if ramp {
+            (one_layer(&textures), None)
+        } else {
+            coded(&textures, encoding).map_err(Error::Check)?
+        };
         let mut world = world.clone();
         let folder = stage.out.join(format!("textures_{}", made.shots.len()));
         let options = WriteOptions { formats: vec![Format::Exr], ..WriteOptions::default() };
@@ -59,18 +65,25 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         made.shots.push(stage.shoot(label, &world, &assets)?);
         std::fs::remove_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
         let change = 100.0 * (coverage(&stored) / coverage(&textures) - 1.0);
-        let psnr = psnr.map_or_else(|| "-".to_owned(), |db| if db.is_finite() { format!("{db:.1}") } else { "lossless".into() });
+        let psnr = psnr.map_or_else(
+            || "-".to_owned(),
+            |db| if db.is_finite() { format!("{db:.1}") } else { "lossless".into() },
+        );
         rows.push(vec![label.to_owned(), psnr, format!("{change:+.2} %")]);
         made.value(&format!("{label}: mean coverage of the layers"), coverage(&stored), 1e-3);
     }
     let head = ["stored as", "PSNR, dB", "mean coverage of the layers, change"].map(String::from).to_vec();
-    let caption = format!("What storing does to the hair; mean coverage is {} as baked.", number(coverage(&textures)));
+    let caption =
+        format!("What storing does to the hair; mean coverage is {} as baked.", number(coverage(&textures)));
     made.table(&Table { caption, head, rows });
     Ok(made)
 }
 
 /// Textures as they come out of blocks or bytes, and the layers' peak signal-to-noise ratio against bytes.
-fn coded(textures: &FurTextures, encoding: Encoding) -> std::result::Result<(FurTextures, Option<f64>), String> {
+fn coded(
+    textures: &FurTextures,
+    encoding: Encoding,
+) -> std::result::Result<(FurTextures, Option<f64>), String> {
     let (mut before, mut after) = (Vec::new(), Vec::new());
     let mut through = |texture: &Texture, wrap_v: bool, counts: bool| {
         let size = [texture.width, texture.height];
@@ -84,7 +97,8 @@ fn coded(textures: &FurTextures, encoding: Encoding) -> std::result::Result<(Fur
         }
         Ok::<Texture, String>(texture)
     };
-    let layers = textures.layers.iter().map(|t| through(t, true, true)).collect::<std::result::Result<_, _>>()?;
+    let layers =
+        textures.layers.iter().map(|t| through(t, true, true)).collect::<std::result::Result<_, _>>()?;
     let fin = through(&textures.fin, false, false)?;
     let stored = FurTextures { layers, fin, ..textures.clone() };
     Ok((stored, Some(compress::psnr(&before, &after))))
@@ -94,7 +108,8 @@ fn coded(textures: &FurTextures, encoding: Encoding) -> std::result::Result<(Fur
 // [Lengyel2001] sec. 4: a single image with an alpha ramp
 fn one_layer(textures: &FurTextures) -> FurTextures {
     let count = textures.layers.len() as f32;
-    let sum = |layers: &[Texture]| layers.iter().flat_map(|t| &t.texels).map(|t| Vec4::from(*t)).sum::<Vec4>();
+    let sum =
+        |layers: &[Texture]| layers.iter().flat_map(|t| &t.texels).map(|t| Vec4::from(*t)).sum::<Vec4>();
     let [all, first] = [sum(&textures.layers), sum(&textures.layers[..1])].map(|s| s / s.w.max(1e-9));
     let tone = (all / first.max(Vec4::splat(1e-9))).truncate().extend(1.0);
     let layer = |l: usize| {
