@@ -41,7 +41,8 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             fur = Some(stage.shoot("fur on the patches", &world, &assets)?);
         }
         let statistics = found.statistics(skin)?;
-        made.value(&format!("{label}: patches"), statistics.patches as f64, 0.0);
+        // Patches grow by comparisons of floats: another machine may end with a few more.
+        made.value(&format!("{label}: patches"), statistics.patches as f64, 5.0);
         made.value(&format!("{label}: coverage"), statistics.coverage, 1e-6);
         made.value(&format!("{label}: mean stretch"), statistics.mean_stretch, 0.01);
         rows.push(row(&format!("{label}, ours"), &statistics));

@@ -91,7 +91,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ]);
         made.value(&format!("{}: faces", model.name), f64::from(all.triangles), 0.0);
         made.value(&format!("{}: edges", model.name), edges(&world.skin).len() as f64, 0.0);
-        made.value(&format!("{}: patches", model.name), patches as f64, 0.0);
+        made.value(&format!("{}: patches", model.name), patches as f64, 5.0);
     }
     let head = [
         "model",

@@ -71,8 +71,8 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     }
     made.shots.push(Shot::drawn("extruded to fins", canvas.film()));
     made.value("edges", all.len() as f64, 0.0);
-    made.value("edges on the silhouette", on.len() as f64, 0.0);
-    made.value("edges with fins", near.len() as f64, 0.0);
+    made.value("edges on the silhouette", on.len() as f64, 2.0);
+    made.value("edges with fins", near.len() as f64, 2.0);
     made.text = format!(
         "{} edges; {} lie on the silhouette, {} on it or with a face whose normal is within a cosine of {threshold} of square to the view.\n",
         all.len(),
