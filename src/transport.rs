@@ -115,14 +115,14 @@ impl Table {
         let weights: [f64; BINS] =
             std::array::from_fn(|bin| f64::from(if bin < HALF { terms.backward } else { terms.forward }));
         // By tint and colour: the field, and what is sent by the cosine of the view.
-        let solved: Vec<(Vec<[f32; 4]>, Vec<Vec<[f32; 4]>>)> = (0..3 * TINTS)
+        let solved: Vec<_> = (0..3 * TINTS)
             .into_par_iter()
             .map(|i| {
                 let (of_tint, color) = (tint(i / 3), i % 3);
                 let layers = medium.layers(&bank, of_tint, color);
                 let solution = slab::solve(layers, medium.skin[color], &cosines);
                 let mut field = Vec::with_capacity(DEPTHS * COSINES);
-                let mut sent = vec![Vec::with_capacity(DEPTHS * COSINES); COSINES];
+                let mut sent = vec![Vec::new(); COSINES];
                 for (d, k) in (0..DEPTHS).flat_map(|d| (0..COSINES).map(move |k| (d, k))) {
                     if d + 1 == DEPTHS {
                         // What is blocked by the body itself is dark.

@@ -201,7 +201,7 @@ fn guard_parts(
     let whole: f32 = pieces.iter().map(|p| p.depth).sum();
     // Each station stands for a quarter of the hairs.
     let per_station = 256;
-    let mut stations = vec![Vec::with_capacity(per_station); STATIONS];
+    let mut stations = vec![Vec::new(); STATIONS];
     let mut heights = [0.0; STATIONS];
     let (mut passed, mut taken) = (0.0, 0);
     for piece in &pieces {
