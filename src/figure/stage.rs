@@ -141,15 +141,15 @@ impl Stage<'_> {
     pub(super) fn panels(&self) -> Result<Made> {
         enum Job {
             Scene(Box<World>, Assets),
-            Image(Shot),
+            Image(Box<Shot>),
         }
         let load = |panel: &Panel| match (&panel.scene, &panel.image) {
             (Some(scene), _) => {
                 self.load(scene, &panel.set).map(|(world, assets)| Job::Scene(Box::new(world), assets))
             }
-            (None, image) => {
-                self.photograph(&panel.label, image.as_deref().unwrap_or_default()).map(Job::Image)
-            }
+            (None, image) => self
+                .photograph(&panel.label, image.as_deref().unwrap_or_default())
+                .map(|shot| Job::Image(Box::new(shot))),
         };
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
         let mut made = Made::default();
@@ -161,7 +161,7 @@ impl Stage<'_> {
                     world.scene.camera = state.camera;
                     self.shoot_at(&panel.label, &world, &assets, state.time)?
                 }
-                Job::Image(shot) => shot,
+                Job::Image(shot) => *shot,
             });
         }
         Ok(made)
