@@ -1,5 +1,6 @@
 //! Figures that are more than scenes side by side: each study is a function from a [`Stage`] to a [`Made`].
 
+mod boxes;
 mod fragments;
 mod index;
 mod keys;

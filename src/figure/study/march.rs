@@ -52,6 +52,10 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     for f in &mut found {
         f.step.z_end = f.step.z_end.min(z_base);
     }
+    // Nor is its middle where it is drawn, if it was to end farther off.
+    if let Some(last) = found.last_mut() {
+        last.at = Vec3::from(probe.frame.eye) + 0.5 * (last.step.z + last.step.z_end) * ray;
+    }
     let mut made = Made::default();
     let opaque: f32 = found.iter().map(|f| f.step.sigma * (f.step.z_end - f.step.z)).sum();
     let mut subelements: Vec<_> = found.iter().map(|f| (f.step.place.prism, f.layer, f.id)).collect();

@@ -88,7 +88,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     strips.show("7 guard hairs' part", part(&|s| s.guard));
     strips.show("7 undercoat's part", part(&|s| s.undercoat));
     let through = |i: usize| Some(samples[i].through);
-    strips.map("7 transmittance", through);
+    strips.map("7 passes", through);
     let fragments: usize = lists.iter().map(Vec::len).sum();
     let longest = lists.iter().map(Vec::len).max().unwrap_or(0);
     let entered = (0..probe.samples()).filter(|i| entry(*i).is_some()).count();

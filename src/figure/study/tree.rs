@@ -3,18 +3,18 @@
 use super::super::Stage;
 use super::super::made::Made;
 use super::super::probe::Probe;
-use super::subelements::{cells, corners};
+use super::boxes::{Piece, Start, Tree};
 use crate::bench::{Times, repeat};
-use crate::pathtrace::bvh::{Bounds, Bvh, Part, Ray, Stack};
+use crate::pathtrace::bvh::Stack;
 use crate::reference::resolve::Kind;
-use crate::reference::shell::{Located, Place, Shell, subelement, subelement_centroid};
+use crate::reference::shell::Place;
 use crate::reference::undercoat::extinction;
 use crate::reference::undercoat_march::{Scenery, first_phase, source_radiance, steps};
 use crate::reference::view::sample_ray;
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use crate::{Error, Result, Skin, World};
-use glam::{Vec3, Vec3A};
+use glam::Vec3;
 use serde::Deserialize;
 use std::time::Instant;
 
@@ -34,15 +34,6 @@ struct Settings {
     renderings: u32,
 }
 
-/// A ray: direction of forward component 1, entry, length of the first step, and the skin.
-struct Start {
-    ray: Vec3,
-    z: f32,
-    prism: u32,
-    phase: f32,
-    z_base: f32,
-}
-
 /// What a way found, over all rays.
 #[derive(Default)]
 struct Outcome {
@@ -51,16 +42,6 @@ struct Outcome {
     pieces: usize,
     /// Fastest run, µs a ray.
     micros: f64,
-}
-
-/// A piece of even medium on a ray.
-struct Piece {
-    /// Depths, cm.
-    from: f32,
-    to: f32,
-    place: Place,
-    /// Extinction and radiance, where the way has already looked them up.
-    shaded: Option<(f32, Vec3)>,
 }
 
 pub(super) fn make(stage: &Stage) -> Result<Made> {
@@ -271,10 +252,16 @@ impl Level {
     }
 }
 
-/// Entries of evenly spread pixels, and the number of all pixels with one. Kept are rays that enter once and end on the skin: what
-/// lies beyond the patch's border is no part of the comparison.
+/// Entries of evenly spread pixels, and the number of all pixels with one. Kept are rays that enter once, through the top, and end on
+/// the skin: the patch's border is no part of the comparison.
 fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
     let (lists, bases) = (probe.lists()?, probe.bases()?);
+    let from_above = |i: usize, z: f32, prism: u32| {
+        let (ray, mut place) = (sample_ray(&probe.frame, probe.xy(i)), probe.shell.enter(prism));
+        place.t = 1.0;
+        probe.shell.solve(&mut place, Vec3::from(probe.frame.eye) + z * ray, ray, 4);
+        place.t > 0.999
+    };
     let entered: Vec<(usize, f32, u32, f32)> = lists
         .iter()
         .zip(&bases)
@@ -282,7 +269,8 @@ fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
         .filter_map(|(i, (list, base))| {
             let mut entries = list.iter().filter(|n| n.kind() == Kind::Entry);
             let (first, base) = (entries.next()?, (*base)?);
-            entries.next().is_none().then(|| (i, first.z, first.id(), base.z))
+            let alone = entries.next().is_none() && from_above(i, first.z, first.id());
+            alone.then(|| (i, first.z, first.id(), base.z))
         })
         .collect();
     let stride = entered.len().div_ceil(most.max(1)).max(1);
@@ -333,169 +321,6 @@ fn run(
         outcome.micros = outcome.micros.min(micros);
     }
     outcome
-}
-
-/// A tree of boxes over all subelements, with their bodies.
-struct Tree<'a> {
-    shell: &'a Shell,
-    layers: u32,
-    d: u32,
-    bvh: Bvh,
-    /// Corners of each subelement in the order of equation 3.
-    bodies: Vec<[Vec3; 6]>,
-}
-
-impl<'a> Tree<'a> {
-    fn new(shell: &'a Shell, layers: u32, d: u32) -> Self {
-        let cells = cells(d);
-        let bodies: Vec<[Vec3; 6]> = (0..shell.prisms.len() as u32)
-            .flat_map(|prism| {
-                let (place, cells) = (shell.enter(prism), &cells);
-                (0..layers).flat_map(move |l| cells.iter().map(move |c| corners(&place, c, l, layers)))
-            })
-            .collect();
-        let parts = (0..bodies.len() as u32).map(|thing| Part { thing, part: 0, parts: 1 }).collect();
-        let bvh = Bvh::build(parts, |part| {
-            let body = bodies[part.thing as usize].map(Vec3A::from);
-            let low = body.iter().fold(Vec3A::INFINITY, |a, b| a.min(*b));
-            let high = body.iter().fold(Vec3A::NEG_INFINITY, |a, b| a.max(*b));
-            // Room for the walls' bend and for rounding.
-            let margin = Vec3A::splat(1e-4) + 0.02 * (high - low);
-            Bounds { low: low - margin, high: high + margin }
-        });
-        Self { shell, layers, d, bvh, bodies }
-    }
-
-    /// Prism, layer and local index of a body: [Andersen2016] eq. 3 backwards.
-    fn numbers(&self, body: u32) -> (u32, u32, u32) {
-        let cells = 1u32 << (2 * self.d);
-        (body / cells / self.layers, body / cells % self.layers, body % cells)
-    }
-
-    /// The steps of the march, each asking the tree for the subelement it is in.
-    fn ask_at_steps(
-        &self,
-        scenery: &Scenery<'_>,
-        eye: Vec3,
-        start: &Start,
-        stack: &mut Stack,
-        pieces: &mut Vec<Piece>,
-    ) {
-        let length = scenery.undercoat.fur.step / start.ray.length();
-        let mut z = start.z;
-        let mut dz = length * start.phase;
-        loop {
-            let z_mid = z + 0.5 * dz;
-            let x = eye + z_mid * start.ray;
-            let Some(place) = self.find(x, start.ray, stack).or_else(|| self.starting(x, start, z, dz))
-            else {
-                // As the march does: a last, shorter step up to the skin or the top, from the place where it ends.
-                let Some(last) = pieces.last() else {
-                    return;
-                };
-                let mut place = last.place;
-                self.shell.locate(&mut place, x, start.ray, 2);
-                let beyond = if place.t > 1.0 { place.t - 1.0 } else { place.t };
-                let z_end = z_mid - beyond / place.dt_dz;
-                if (place.t > 1.0 || place.t < 0.0) && beyond * place.dt_dz > 0.0 && z_end > z {
-                    place.t = place.t.clamp(0.0, 1.0);
-                    pieces.push(Piece { from: z, to: z_end, place, shaded: None });
-                }
-                return;
-            };
-            let (t, slope) = (place.t, place.dt_dz);
-            if slope > 0.0 && t + 0.5 * dz * slope > 1.0 {
-                let z_end = z_mid + (1.0 - t) / slope;
-                pieces.push(Piece { from: z, to: z_end, place, shaded: None });
-                return;
-            }
-            pieces.push(Piece { from: z, to: z + dz, place, shaded: None });
-            z += dz;
-            dz = length;
-        }
-    }
-
-    /// The place of a first step whose middle lies a little above the top, by rounding.
-    fn starting(&self, x: Vec3, start: &Start, z: f32, dz: f32) -> Option<Place> {
-        if z > start.z {
-            return None;
-        }
-        let mut place = Place { t: 1.0, ..self.shell.enter(start.prism) };
-        let found = self.shell.locate(&mut place, x, start.ray, 4);
-        let close = place.t > 1.0 && place.dt_dz <= 0.0 && place.t <= 1.0 - place.dt_dz * dz;
-        (found == Located::Inside && close).then_some(place)
-    }
-
-    /// The place of a point by the tree: a ray of no length shows the boxes around it.
-    fn find(&self, x: Vec3, ray: Vec3, stack: &mut Stack) -> Option<Place> {
-        let mut found = None;
-        let box_ray = Ray::new(Vec3A::from(x), Vec3A::from(ray.normalize_or(Vec3::Z)));
-        self.bvh.walk(&box_ray, 0.0, stack, |body, limit| {
-            let (prism, layer, id) = self.numbers(body);
-            let mut place = self.shell.enter(prism);
-            place.t = (layer as f32 + 0.5) / self.layers as f32;
-            self.shell.solve(&mut place, x, ray, 2);
-            let inside = place.lambda.min_element() >= -1e-5 && (0.0..=1.0).contains(&place.t);
-            let at = ((place.t * self.layers as f32) as u32).min(self.layers - 1);
-            if inside && at == layer && subelement(place.lambda, self.d) == id {
-                found = Some(place);
-                return -1.0;
-            }
-            limit
-        });
-        found
-    }
-
-    /// All subelements that a ray meets, each with the length of its way through it.
-    fn meet(&self, eye: Vec3, start: &Start, stack: &mut Stack, pieces: &mut Vec<Piece>) {
-        let direction = start.ray.normalize_or(Vec3::Z);
-        let ray = Ray::new(Vec3A::from(eye), Vec3A::from(direction));
-        let speed = start.ray.length();
-        self.bvh.walk(&ray, f32::INFINITY, stack, |body, limit| {
-            if let Some((from, to)) = interval(&self.bodies[body as usize], eye, direction) {
-                let (prism, layer, id) = self.numbers(body);
-                let mut place = self.shell.enter(prism);
-                place.t = (layer as f32 + 0.5) / self.layers as f32;
-                place.lambda = subelement_centroid(id, self.d);
-                self.shell.solve(&mut place, eye + 0.5 * (from + to) * direction, start.ray, 2);
-                place.t = place.t.clamp(0.0, 1.0);
-                pieces.push(Piece { from: from / speed, to: to / speed, place, shaded: None });
-            }
-            limit
-        });
-    }
-}
-
-/// Where a ray is within a body whose walls are cut into triangles; `None` where it misses.
-fn interval(body: &[Vec3; 6], origin: Vec3, direction: Vec3) -> Option<(f32, f32)> {
-    let (mut low, mut high, mut hits) = (f32::INFINITY, f32::NEG_INFINITY, 0);
-    let mut hit = |a: Vec3, b: Vec3, c: Vec3| {
-        let (e1, e2) = (b - a, c - a);
-        let p = direction.cross(e2);
-        let det = e1.dot(p);
-        if det == 0.0 {
-            return;
-        }
-        let s = origin - a;
-        let q = s.cross(e1);
-        let (u, v) = (s.dot(p) / det, direction.dot(q) / det);
-        if u >= 0.0 && v >= 0.0 && u + v <= 1.0 {
-            let t = e2.dot(q) / det;
-            (low, high, hits) = (low.min(t), high.max(t), hits + 1);
-        }
-    };
-    hit(body[0], body[1], body[2]);
-    hit(body[3], body[4], body[5]);
-    for k in 0..3 {
-        let next = (k + 1) % 3;
-        let [a, b, c, d] = [body[k], body[next], body[next + 3], body[k + 3]];
-        // The same diagonal from both sides of a wall: that from the corner which comes first in space.
-        let first = a.to_array() < b.to_array();
-        let (p, q) = if first { ([a, b, c], [a, c, d]) } else { ([a, b, d], [b, c, d]) };
-        hit(p[0], p[1], p[2]);
-        hit(q[0], q[1], q[2]);
-    }
-    (hits >= 2 && high > low).then_some((low, high))
 }
 
 fn table(levels: &[Level]) -> Table {
