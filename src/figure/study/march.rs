@@ -220,7 +220,7 @@ fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     canvas.arrow(from, view.place(entry), "stroke:#000;stroke-width:1.6");
     canvas.line(view.place(entry), view.place(exit), "stroke:#000;stroke-width:1.2");
     canvas.circle(view.place(entry), 5.5, "fill:#0072b2;stroke:#fff;stroke-width:1.2");
-    canvas.circle(view.place(exit), 5.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
+    canvas.circle(view.place(exit), 8.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
     marks(&mut canvas, found, |p| view.place(p));
     legend(&mut canvas, [24.0, size[1] - 50.0]);
     canvas.circle([420.0, size[1] - 50.0], 5.5, "fill:#0072b2");
@@ -292,7 +292,7 @@ fn space(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     canvas.arrow(view.place(entry - 0.3 * direction), view.place(entry), "stroke:#000;stroke-width:1.6");
     canvas.line(view.place(entry), view.place(exit), "stroke:#000;stroke-width:1.2");
     canvas.circle(view.place(entry), 5.5, "fill:#0072b2;stroke:#fff;stroke-width:1.2");
-    canvas.circle(view.place(exit), 5.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
+    canvas.circle(view.place(exit), 8.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
     marks(&mut canvas, found, |p| view.place(p));
     legend(&mut canvas, [24.0, size[1] - 50.0]);
     canvas.svg()

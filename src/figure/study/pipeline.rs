@@ -40,7 +40,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     let mut strips = Strips { size, made: &mut made };
 
     // Step 1
-    strips.show(&format!("1 prisms, 1 root in {}", settings.each), roots(&probe, &places, settings.each)?);
+    strips.show(&format!("1 prisms, 1/{} roots", settings.each), roots(&probe, &places, settings.each)?);
     // Step 2
     let at = |t: f32| {
         let places = &places;
@@ -61,7 +61,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     strips.map("2 key light", light);
     // Step 3
     let hairs = hairs(&probe, settings.each)?;
-    strips.map(&format!("3 1 hair in {}", settings.each), |i| hairs[i]);
+    strips.map(&format!("3 1/{} hairs", settings.each), |i| hairs[i]);
     // Steps 4 and 5
     let records: Vec<[u32; 4]> = probe.read("base_records", probe.samples())?;
     let bases: Vec<_> = records.into_iter().map(base_raster::unpack).collect();

@@ -37,7 +37,8 @@ struct Settings {
 /// What a way found, over all rays.
 #[derive(Default)]
 struct Outcome {
-    transmittance: Vec<f32>,
+    /// Optical depth of each ray.
+    depths: Vec<f32>,
     /// Subelements or steps that were shaded.
     pieces: usize,
     /// Fastest run, µs a ray.
@@ -61,9 +62,16 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     }
     for l in &levels {
         let name = |what: &str| format!("d = {}: {what}", l.d);
-        made.value(&name("mean transmittance, march"), mean(&l.march.transmittance), 1e-3);
-        made.value(&name("largest difference, tree asked at each step"), largest(l, &l.points), 1e-3);
-        made.value(&name("RMS difference, tree met by rays"), rms(l, &l.rays), 2e-3);
+        let depth = mean_depth(l);
+        made.value(&name("mean optical depth, march"), depth, 0.01 * depth);
+        made.value(
+            &name("tree at each step: largest relative difference of it"),
+            largest(l, &l.points),
+            1e-3,
+        );
+        let [relative, transmittance] = rms(l, &l.rays);
+        made.value(&name("tree met by rays: RMS relative difference of it"), relative, 0.005);
+        made.value(&name("tree met by rays: RMS difference of transmittance"), transmittance, 1e-4);
         made.value(&name("subelements a ray meets"), l.rays.pieces as f64 / l.count as f64, 0.5);
         made.value(&name("bytes of the tree"), l.tree_bytes as f64, 0.02 * l.tree_bytes as f64);
     }
@@ -113,20 +121,29 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     Ok(made)
 }
 
-fn mean(values: &[f32]) -> f64 {
-    values.iter().map(|v| f64::from(*v)).sum::<f64>() / values.len().max(1) as f64
+/// Optical depths of march and other way, and their transmittances.
+fn pairs<'a>(level: &'a Level, other: &'a Outcome) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
+    level.march.depths.iter().zip(&other.depths).map(|(a, b)| {
+        let depths = [*a, *b].map(f64::from);
+        [depths, depths.map(|d| (-d).exp())]
+    })
 }
 
-fn differences<'a>(level: &'a Level, other: &'a Outcome) -> impl Iterator<Item = f64> + 'a {
-    level.march.transmittance.iter().zip(&other.transmittance).map(|(a, b)| f64::from((a - b).abs()))
+fn mean_depth(level: &Level) -> f64 {
+    level.march.depths.iter().map(|d| f64::from(*d)).sum::<f64>() / level.count as f64
 }
 
+/// Largest relative difference of optical depths.
 fn largest(level: &Level, other: &Outcome) -> f64 {
-    differences(level, other).fold(0.0, f64::max)
+    pairs(level, other).map(|[[a, b], _]| (a - b).abs() / a.max(1e-3)).fold(0.0, f64::max)
 }
 
-fn rms(level: &Level, other: &Outcome) -> f64 {
-    (differences(level, other).map(|d| d * d).sum::<f64>() / level.count.max(1) as f64).sqrt()
+/// Root mean squares of the relative difference of optical depths and of the difference of transmittances.
+fn rms(level: &Level, other: &Outcome) -> [f64; 2] {
+    let root = |f: &dyn Fn([[f64; 2]; 2]) -> f64| {
+        (pairs(level, other).map(|pair| f(pair).powi(2)).sum::<f64>() / level.count as f64).sqrt()
+    };
+    [root(&|[[a, b], _]| (a - b) / a.max(1e-3)), root(&|[_, [a, b]]| a - b)]
 }
 
 /// The triangles with all corners near a point, as a skin of their own.
@@ -181,6 +198,10 @@ impl Level {
         let (starts, level) = {
             let probe = Probe::new(stage.gpu, world, film, [0, 0], film)?;
             let starts = starts(&probe, settings.rays)?;
+            if starts.0.is_empty() {
+                let words = "no ray enters the patch from above and ends on its skin";
+                return Err(Error::fault(stage.folder.join("figure.toml"), words));
+            }
             let level = Self::on_the_cpu(&probe, settings, d, &starts.0);
             (starts, level)
         };
@@ -293,7 +314,7 @@ fn run(
     let mut outcome = Outcome { micros: f64::INFINITY, ..Outcome::default() };
     let mut pieces = Vec::new();
     for _ in 0..runs.max(1) {
-        outcome.transmittance.clear();
+        outcome.depths.clear();
         outcome.pieces = 0;
         let begin = Instant::now();
         for start in starts {
@@ -315,7 +336,7 @@ fn run(
             }
             // What is computed is not to be left out by the compiler.
             std::hint::black_box(light);
-            outcome.transmittance.push((-opaque).exp());
+            outcome.depths.push(opaque);
         }
         let micros = begin.elapsed().as_secs_f64() * 1e6 / starts.len().max(1) as f64;
         outcome.micros = outcome.micros.min(micros);
@@ -339,7 +360,8 @@ fn table(levels: &[Level]) -> Table {
         "built in, ms",
         "steps a ray",
         "subelements a ray meets",
-        "RMS difference of transmittance",
+        "at each step: largest difference of optical depth",
+        "met by rays: RMS difference of optical depth",
     ];
     let rows = levels.iter().map(|l| {
         let count = l.count as f64;
@@ -358,7 +380,8 @@ fn table(levels: &[Level]) -> Table {
             format!("{:.0}", l.build_ms),
             format!("{:.1}", l.march.pieces as f64 / count),
             format!("{:.1}", l.rays.pieces as f64 / count),
-            format!("{:.1e}", rms(l, &l.rays)),
+            format!("{:.4} %", 100.0 * largest(l, &l.points)),
+            format!("{:.2} %", 100.0 * rms(l, &l.rays)[0]),
         ]
     });
     Table {
