@@ -7,29 +7,13 @@
 set -eu
 
 . "$(dirname -- "$0")/setup.sh"
+. "$(dirname -- "$0")/browser.sh"
 
 # Most that the pictures may differ: the page filters with four samples a pixel and lights the vertices.
 most_flip=${MOST_FLIP:-0.02}
 
-need_node() {
-    command -v npm >/dev/null || install "no npm" "nodejs npm" "nodejs npm" "nodejs npm"
-    (cd "$root/web/shells" && npm ls >/dev/null 2>&1 || npm ci --silent) || fail "npm ci failed in web/shells"
-}
-
-need_chromium() {
-    [ -z "${CHROMIUM:-}" ] || return 0
-    for name in chromium chromium-browser google-chrome; do
-        ! command -v "$name" >/dev/null || { CHROMIUM=$(command -v "$name"); break; }
-    done
-    if [ -z "${CHROMIUM:-}" ]; then
-        install "no Chromium" "chromium" "chromium" "chromium"
-        CHROMIUM=$(command -v chromium || command -v chromium-browser) || fail "Chromium is installed, but not found"
-    fi
-    export CHROMIUM
-}
-
 setup
-need_node
+need_packages "$root/web/shells"
 need_chromium
 out=$root/out/web_shells
 mkdir -p "$out/fur"

@@ -75,6 +75,11 @@ pub fn multiple_model(scene: &Scene) -> MultipleModel {
     }
 }
 
+/// Words of packed optical depths at a node of the light lattice: two lights a word, the slot behind the last light is the eye's.
+pub fn tau_pairs(lights: u32) -> u32 {
+    (lights + 2) / 2
+}
+
 /// Packs the groom of `world`.
 pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
@@ -184,7 +189,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     });
     let (mut fur, lights) = pack_lights(world, fur);
     fur.tau_stride =
-        (fur.lights + 2) / 2 + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
+        tau_pairs(fur.lights) + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
     Ok(PackedGroom {
         groom,
         texels,
@@ -328,6 +333,20 @@ fn parameter(
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn the_model_of_multiple_scattering_follows_the_fibres_unless_it_is_named() {
+        let model = |text: &str| multiple_model(&Scene::parse(text, "test", &[]).expect("a scene"));
+        let chiang = "[mesh]\nshape = \"pyramid\"\n[undercoat.fibre]\nmodel = \"chiang\"\n";
+        assert_eq!(model("[mesh]\nshape = \"pyramid\""), MultipleModel::Similarity);
+        assert_eq!(model(chiang), MultipleModel::Transport);
+        assert_eq!(model(&chiang.replace("undercoat", "guard")), MultipleModel::Transport);
+        assert_eq!(model(&chiang.replace("chiang", "medulla")), MultipleModel::Transport);
+        // Hairs that are not drawn do not count.
+        assert_eq!(model(&format!("{chiang}[render]\nfur = \"explicit\"")), MultipleModel::Similarity);
+        assert_eq!(model(&format!("{chiang}[render.multiple]\nmodel = \"dual\"")), MultipleModel::Dual);
+        assert_eq!(model(&format!("{chiang}[render]\nshading = \"paper\"")), MultipleModel::None);
+    }
 
     #[test]
     fn noise_gradients_are_units_and_balanced() {

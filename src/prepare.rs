@@ -176,7 +176,7 @@ impl<'g> Prepared<'g> {
 
         // Step 2
         let nodes = u64::from(fur.columns) * u64::from(fur.levels + 1);
-        let pairs = (fur.lights + 2) / 2;
+        let pairs = groom::tau_pairs(fur.lights);
         let mut recorder = Recorder::new(gpu);
         let volume = if stored {
             gpu.storage("cells", 2, cell_bytes)?

@@ -13,8 +13,9 @@ use std::path::{Path, PathBuf};
 pub(super) const FOLDER: &str = "golden";
 /// What is kept besides pictures.
 const FILE: &str = "golden.json";
-/// Largest mean FLIP between the sheets. Adapters differ by about 0.002; another seed of the hairs by 0.05 to 0.2.
-const LARGEST_FLIP: f64 = 0.012;
+/// Largest mean FLIP between the sheets. Two runs on one adapter are equal; on the small pelt of figure 1 a tenth less undercoat makes
+/// 0.006, another seed of the hairs 0.04.
+const LARGEST_FLIP: f64 = 0.004;
 
 /// What is kept of a record.
 #[derive(Debug, Default, Serialize, Deserialize)]

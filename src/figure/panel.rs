@@ -5,11 +5,10 @@ use crate::film::Film;
 use crate::film::composite::over;
 use crate::film::tonemap::{display_rgb8, srgb_decode};
 use crate::scene::FilmSpec;
-use font8x8::UnicodeFonts;
 use glam::Vec3;
+use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
 
 const WHITE: [f32; 4] = [1.0; 4];
-const BLACK: [f32; 4] = [0.0, 0.0, 0.0, 1.0];
 
 /// A picture as a display shows it.
 pub(super) struct Picture {
@@ -39,37 +38,77 @@ impl Picture {
     }
 }
 
-/// The sheet: `columns` pictures a row, row by row. Its pixels are display-linear.
+/// The sheet: `columns` pictures a row, row by row, each as wide as the widest. Its pixels are display-linear.
 pub(super) fn assemble(pictures: &[Picture], columns: u32) -> Film {
     let columns = (columns as usize).clamp(1, pictures.len().max(1));
-    let rows = pictures.len().div_ceil(columns);
     let widest = pictures.iter().map(|p| p.width).max().unwrap_or(1);
-    let highest = pictures.iter().map(|p| p.height).max().unwrap_or(1);
-    let scale = (widest / 320).max(1);
-    let (gap, strip) = (4 * scale, 14 * scale);
-    let width = columns * widest + (columns + 1) * gap;
-    let height = rows * (highest + strip) + (rows + 1) * gap;
-    let mut sheet = Sheet { width, pixels: vec![WHITE; width * height] };
-    for (i, picture) in pictures.iter().enumerate() {
-        let x = gap + (i % columns) * (widest + gap);
-        let y = gap + (i / columns) * (highest + strip + gap);
-        for (row, line) in picture.pixels.chunks(picture.width.max(1)).enumerate() {
-            let at = (y + row) * width + x;
-            sheet.pixels[at..at + line.len()].copy_from_slice(line);
+    let font = Font::for_width(widest);
+    let gap = font.line() / 4;
+    let labels: Vec<Vec<String>> = pictures.iter().map(|p| font.wrap(&p.label, widest)).collect();
+    let mut sheet = Sheet { width: columns * widest + (columns + 1) * gap, pixels: Vec::new() };
+    for (pictures, labels) in pictures.chunks(columns).zip(labels.chunks(columns)) {
+        let y = sheet.height() + gap;
+        let highest = pictures.iter().map(|p| p.height).max().unwrap_or(1);
+        let lines = labels.iter().map(Vec::len).max().unwrap_or(0);
+        sheet.grow(gap + highest + lines * font.line() + gap);
+        for (k, (picture, label)) in pictures.iter().zip(labels).enumerate() {
+            let x = gap + k * (widest + gap);
+            for (row, line) in picture.pixels.chunks(picture.width.max(1)).enumerate() {
+                let at = (y + row) * sheet.width + x;
+                sheet.pixels[at..at + line.len()].copy_from_slice(line);
+            }
+            for (n, line) in label.iter().enumerate() {
+                sheet.write(font, line, [x, y + picture.height + n * font.line()]);
+            }
         }
-        sheet.write(&picture.label, [x, y + picture.height + 4 * scale], widest / (8 * scale), scale);
     }
-    Film::from_premultiplied(width as u32, height as u32, &sheet.pixels)
+    Film::from_premultiplied(sheet.width as u32, sheet.height() as u32, &sheet.pixels)
 }
 
 /// Grey with words in its middle, where a picture is missing. Display-linear.
 pub(super) fn slot(width: u32, height: u32, words: &str) -> Film {
     let [w, h] = [width as usize, height as usize];
     let mut sheet = Sheet { width: w, pixels: vec![[0.6, 0.6, 0.6, 1.0]; w * h] };
-    if h > 16 && w > 16 {
-        sheet.write(words, [8, h / 2 - 4], (w - 8) / 8, 1);
+    let font = Font::for_width(w);
+    for (n, line) in font.wrap(words, w).iter().enumerate() {
+        sheet.write(font, line, [0, h / 2 + n * font.line()]);
     }
     Film::from_premultiplied(width, height, &sheet.pixels)
+}
+
+/// A monospaced font of one height.
+#[derive(Clone, Copy)]
+struct Font(RasterHeight);
+
+impl Font {
+    fn for_width(width: usize) -> Self {
+        Self(match width {
+            0..480 => RasterHeight::Size16,
+            480..900 => RasterHeight::Size24,
+            _ => RasterHeight::Size32,
+        })
+    }
+
+    /// Pixels from one line to the next.
+    fn line(self) -> usize {
+        self.0.val() + self.0.val() / 4
+    }
+
+    /// Words in lines of at most `width` pixels; a word that is wider has a line of its own.
+    fn wrap(self, words: &str, width: usize) -> Vec<String> {
+        let most = width / get_raster_width(FontWeight::Regular, self.0);
+        let mut lines: Vec<String> = Vec::new();
+        for word in words.split_whitespace() {
+            match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= most) {
+                Some(line) => {
+                    line.push(' ');
+                    line.push_str(word);
+                }
+                None => lines.push(word.to_owned()),
+            }
+        }
+        lines
+    }
 }
 
 struct Sheet {
@@ -78,17 +117,28 @@ struct Sheet {
 }
 
 impl Sheet {
-    /// Writes at most `most` characters of `text` in black, 8 x 8 dots each, a dot `scale` pixels wide.
-    fn write(&mut self, text: &str, [x, y]: [usize; 2], most: usize, scale: usize) {
-        for (i, c) in text.chars().take(most).enumerate() {
-            let glyph =
-                font8x8::BASIC_FONTS.get(c).or_else(|| font8x8::BASIC_FONTS.get('?')).unwrap_or_default();
-            for (row, bits) in glyph.iter().enumerate() {
-                for column in (0..8).filter(|bit| bits >> bit & 1 == 1) {
-                    for dot in 0..scale * scale {
-                        let px = x + (8 * i + column) * scale + dot % scale;
-                        let py = y + row * scale + dot / scale;
-                        self.pixels[py * self.width + px] = BLACK;
+    fn height(&self) -> usize {
+        self.pixels.len() / self.width.max(1)
+    }
+
+    fn grow(&mut self, rows: usize) {
+        self.pixels.resize(self.pixels.len() + rows * self.width, WHITE);
+    }
+
+    /// Writes a line in black; what does not fit is left out.
+    fn write(&mut self, font: Font, line: &str, [x, y]: [usize; 2]) {
+        let step = get_raster_width(FontWeight::Regular, font.0);
+        let height = self.height();
+        for (i, c) in line.chars().enumerate() {
+            let glyph = |c| get_raster(c, FontWeight::Regular, font.0);
+            let Some(glyph) = glyph(c).or_else(|| glyph('?')) else { continue };
+            for (row, levels) in glyph.rows().enumerate() {
+                for (column, level) in levels.iter().enumerate() {
+                    let (px, py) = (x + i * step + column, y + row);
+                    if *level > 0 && px < self.width && py < height {
+                        let pixel = &mut self.pixels[py * self.width + px];
+                        let ink = f32::from(*level) / 255.0;
+                        (0..3).for_each(|c| pixel[c] *= 1.0 - ink);
                     }
                 }
             }
@@ -110,18 +160,20 @@ mod tests {
     #[test]
     fn pictures_stand_side_by_side_with_their_labels() {
         let sheet = assemble(
-            &[grey(40, 20, "(a) x"), grey(40, 20, "(b) y"), grey(40, 20, "far too long a label")],
+            &[grey(80, 20, "(a) x"), grey(80, 20, "(b) y"), grey(80, 20, "a label of two lines")],
             2,
         );
-        assert_eq!((sheet.width, sheet.height), (2 * 40 + 3 * 4, 2 * (20 + 14) + 3 * 4));
+        // Two rows: gaps of 5, lines of 20.
+        assert_eq!((sheet.width, sheet.height), (2 * 80 + 3 * 5, (5 + 20 + 20 + 5) + (5 + 20 + 2 * 20 + 5)));
         let red = sheet.plane("R").unwrap();
         let at = |x: usize, y: usize| red[y * sheet.width as usize + x];
-        assert!((at(10, 10) - 0.2).abs() < 0.01 && (at(60, 10) - 0.2).abs() < 0.01);
-        assert_eq!((at(0, 0), at(46, 10), at(60, 50)), (1.0, 1.0, 1.0));
-        let dark = |x0: usize, x1: usize, y0: usize, y1: usize| {
-            (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))).filter(|(x, y)| at(*x, *y) == 0.0).count()
+        assert!((at(10, 10) - 0.2).abs() < 0.01 && (at(100, 10) - 0.2).abs() < 0.01);
+        assert_eq!((at(0, 0), at(87, 10), at(120, 90)), (1.0, 1.0, 1.0));
+        let ink = |x0: usize, x1: usize, y0: usize, y1: usize| {
+            (y0..y1).flat_map(|y| (x0..x1).map(move |x| (x, y))).filter(|(x, y)| at(*x, *y) < 0.5).count()
         };
-        assert!(dark(4, 44, 25, 37) > 20 && dark(48, 88, 25, 37) > 20);
-        assert_eq!(dark(0, 92, 0, 24), 0);
+        assert!(ink(5, 60, 25, 45) > 20 && ink(90, 150, 25, 45) > 20);
+        assert!(ink(5, 80, 75, 95) > 20 && ink(5, 80, 95, 115) > 20, "both lines of the third");
+        assert_eq!(ink(0, 175, 45, 55), 0);
     }
 }

@@ -95,11 +95,6 @@ pub fn node_place(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> (Pla
     (place, place.point(place.t, place.lambda))
 }
 
-/// Words of packed optical depths at a node: two lights a word, the slot behind the last light is the eye's.
-pub fn tau_pairs(fur: &Fur) -> u32 {
-    (fur.lights + 2) / 2
-}
-
 /// Three 10-bit parts of 0..1 in a word.
 pub fn pack_albedo(c: Vec3) -> u32 {
     let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 1023.0).round_ties_even() as u32);

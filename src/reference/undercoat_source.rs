@@ -1,11 +1,12 @@
 //! Twin of `shaders/undercoat_source.wgsl`: what the march and the skin look up of the lights.
 
 use super::film::halves;
-use super::lattice::{node_index, tau_pairs, unpack_albedo};
+use super::lattice::{node_index, unpack_albedo};
 use super::shell::{Place, Shell};
 use super::transport::Field;
 use super::undercoat::{color, scatter};
 use crate::fibre::Fibre;
+use crate::groom::tau_pairs;
 use crate::layout::{Column, Frame, Fur, Light};
 use crate::pathtrace::strands::Layer;
 use crate::scene::MultipleModel;
@@ -69,7 +70,7 @@ impl Lattice<'_> {
 
     /// Mean and slope over the cosine to the normal of the scattered radiance at a node.
     pub fn scattered(&self, node: u32) -> [Vec3; 2] {
-        let first = (node * self.fur.tau_stride + tau_pairs(self.fur)) as usize;
+        let first = (node * self.fur.tau_stride + tau_pairs(self.fur.lights)) as usize;
         let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
         [Vec3::new(a, b, c), Vec3::new(d, e, f)]
     }
