@@ -1,13 +1,23 @@
 //! Figures that are more than scenes side by side: each study is a function from a [`Stage`] to a [`Made`].
 
+mod boxes;
 mod canvas;
+mod fragments;
 mod hair_textures;
+mod index;
+mod keys;
 mod lapped;
+mod march;
+mod pipeline;
 mod profiles;
 mod shell_rates;
 mod silhouette;
+mod strand_count;
+mod subelements;
 mod texture_memory;
 mod times;
+mod tree;
+mod virtual_fragments;
 
 use super::{Made, Stage};
 use crate::Result;
@@ -17,14 +27,22 @@ pub type Study = fn(&Stage) -> Result<Made>;
 
 /// All studies, by the names that `figure.toml` calls them.
 pub static STUDIES: &[(&str, Study)] = &[
+    ("fragments", fragments::make),
     ("hair_textures", hair_textures::make),
+    ("index", index::make),
+    ("keys", keys::make),
     ("lapped", lapped::make),
+    ("march", march::make),
     ("offset_shells", silhouette::shells),
+    ("pipeline", pipeline::make),
     ("profiles", profiles::make),
     ("shell_rates", shell_rates::make),
     ("silhouette", silhouette::make),
+    ("strand_count", strand_count::make),
     ("texture_memory", texture_memory::make),
     ("times", times::make),
+    ("tree", tree::make),
+    ("virtual_fragments", virtual_fragments::make),
 ];
 
 /// The study of a name.
