@@ -16,13 +16,13 @@ pub use lab::Lab;
 use crate::provenance::{Provenance, write_json};
 use crate::report::{self, Table, plot::Plot};
 use crate::{Error, Result, gpu::Gpu, render::Progress};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
 /// How much is measured.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
     /// A few minutes: fewer cases, smaller and noisier pictures. Goals are the same.
@@ -43,6 +43,8 @@ pub struct Options {
     pub out: PathBuf,
     /// Names of experiments; empty: all.
     pub only: Vec<String>,
+    /// Parts of the names of the cases of those that compare pictures; empty: all.
+    pub cases: Vec<String>,
 }
 
 /// What a value must be.

@@ -34,7 +34,12 @@ pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
         (_, true) => Level::Full,
         _ => Level::Usual,
     };
-    let options = validate::Options { level, out: args.outfile.clone(), only: args.only.clone() };
+    let options = validate::Options {
+        level,
+        out: args.outfile.clone(),
+        only: args.only.clone(),
+        ..validate::Options::default()
+    };
     let display = Display::new(global.progress, global.quiet);
     let report = validate::run(&options, &|progress| display.update(progress), interrupt::listen()?);
     display.finish();

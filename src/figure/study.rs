@@ -2,14 +2,18 @@
 
 mod boxes;
 mod canvas;
+mod environment;
+mod errors;
 mod fragments;
 mod hair_textures;
 mod index;
 mod keys;
 mod lapped;
 mod march;
+mod orbit;
 mod pipeline;
 mod profiles;
+mod scaling;
 mod shell_rates;
 mod silhouette;
 mod strand_count;
@@ -27,6 +31,8 @@ pub type Study = fn(&Stage) -> Result<Made>;
 
 /// All studies, by the names that `figure.toml` calls them.
 pub static STUDIES: &[(&str, Study)] = &[
+    ("environment", environment::make),
+    ("errors", errors::make),
     ("fragments", fragments::make),
     ("hair_textures", hair_textures::make),
     ("index", index::make),
@@ -34,8 +40,10 @@ pub static STUDIES: &[(&str, Study)] = &[
     ("lapped", lapped::make),
     ("march", march::make),
     ("offset_shells", silhouette::shells),
+    ("orbit", orbit::make),
     ("pipeline", pipeline::make),
     ("profiles", profiles::make),
+    ("scaling", scaling::make),
     ("shell_rates", shell_rates::make),
     ("silhouette", silhouette::make),
     ("strand_count", strand_count::make),

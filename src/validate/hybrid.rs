@@ -133,6 +133,10 @@ pub fn run(lab: &Lab) -> Result<Section> {
         for (k, coat) in COATS.iter().enumerate() {
             let case = format!("{}, {} ({})", subject.name, coat.name, coat.preset);
             let place = [i * COATS.len() + k, all];
+            if !lab.wants(&case) {
+                section.skipped.push(format!("{case}: it was not asked for"));
+                continue;
+            }
             match load(lab, subject, coat) {
                 Ok((world, assets)) => measure(lab, subject, &case, world, assets, place, &mut section)?,
                 Err(error) if only_files_missing(&error) => section.skipped.push(format!(

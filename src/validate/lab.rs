@@ -20,6 +20,7 @@ pub struct Lab<'a> {
     pub level: Level,
     gpu: &'a Gpu,
     out: &'a Path,
+    cases: &'a [String],
     show: &'a (dyn Fn(f32) + Sync),
     cancel: &'a AtomicBool,
 }
@@ -32,7 +33,7 @@ impl<'a> Lab<'a> {
         show: &'a (dyn Fn(f32) + Sync),
         cancel: &'a AtomicBool,
     ) -> Self {
-        Self { level: options.level, gpu, out: &options.out, show, cancel }
+        Self { level: options.level, gpu, out: &options.out, cases: &options.cases, show, cancel }
     }
 
     /// One of three values by the level.
@@ -42,6 +43,11 @@ impl<'a> Lab<'a> {
             Level::Usual => usual,
             Level::Full => full,
         }
+    }
+
+    /// Whether a case is asked for.
+    pub fn wants(&self, case: &str) -> bool {
+        self.cases.is_empty() || self.cases.iter().any(|part| case.contains(part))
     }
 
     /// Says that `done` of `all` steps are done.

@@ -73,6 +73,11 @@ pub fn run(lab: &Lab) -> Result<Section> {
         let mut curves = [const { Vec::new() }; 4];
         for value in &sweep.values {
             let case = format!("{} {value}", sweep.name);
+            if !lab.wants(&case) {
+                section.skipped.push(format!("{case}: it was not asked for"));
+                done += 1;
+                continue;
+            }
             let patch = Patch::measure(lab, &format!("{}={value:?}", sweep.key), [done, all])?;
             section.findings.extend(patch.findings(&case));
             for (k, shot) in patch.shots.iter().enumerate() {
