@@ -63,7 +63,7 @@ fn eye_tau(cell: LatticeCell) -> f32 {
     return least;
 }
 
-// Mean and slope of the scattered radiance in a lattice cell.
+// Mean scattered radiance from above and from below in a lattice cell.
 fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
     var sum = array<vec2f, 3>();
     for (var k = 0u; k < 3u; k++) {

@@ -3,7 +3,7 @@
 
 struct FurCorner {
     vertex: u32,
-    padding: u32,
+    patch_index: u32, // whose outline masks it, where patches overlap
     uv: vec2f,       // on the patch, cm
     skin_uv: vec2f,
 }
@@ -33,6 +33,7 @@ struct FinEdge {
 @group(0) @binding(17) var depth_target: texture_depth_2d;
 @group(0) @binding(18) var<storage, read_write> samples: array<vec4u>;
 @group(0) @binding(19) var<storage, read> vertex_uv: array<vec2f>;
+@group(0) @binding(20) var<storage, read> outlines: array<vec2f>; // of patches, OUTLINE points each, cm
 
 #import shared/frame
 #import shared/index
@@ -47,6 +48,7 @@ struct FinEdge {
 override GUARD: bool = true;  // guard hairs have layers of their own
 override DETAIL: bool = true; // rows change from one level of detail to the next
 override SHADOW: bool = true; // shadow between hairs
+override OUTLINE: u32 = 0u;    // points of a patch's outline, 0 where patches do not overlap
 override MAPPED: bool = true; // colour or length come from an image or from vertex colours
 
 // Coverage below which a fragment is left out and writes no depth.
@@ -82,6 +84,7 @@ struct ShellVarying {
     @location(7) color: vec3f,
     @location(8) lean: vec3f,      // of what is not guard hair
     @location(9) @interpolate(flat) row: u32,
+    @location(10) @interpolate(flat) patch_index: u32,
 }
 
 struct Lit {
@@ -96,7 +99,7 @@ fn light_of(word: vec4u) -> Lit {
 
 @vertex
 fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32) -> ShellVarying {
-    let corner = fur_corners[i];
+    let corner = fur_corners[shellfin.first_corner + i];
     let at = row * shellfin.vertices + corner.vertex;
     let p = row_positions[at];
     let lit = light_of(row_lights[at]);
@@ -104,7 +107,7 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
     let tangent = octahedral_decode(unpack2x16snorm(bitcast<u32>(p.w)));
     let lean = octahedral_decode(unpack2x16snorm(row_lights[at].w));
     return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent, lit.undercoat, lit.guard,
-        corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row);
+        corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row, corner.patch_index);
 }
 
 // Colour of coverage `whole` of which `guard` is guard hair.
@@ -155,6 +158,19 @@ fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
     return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
 }
 
+// Whether a place on a patch lies in its outline, a polygon that is star-shaped around the origin with corners at even angles.
+// [Praun2000]
+fn in_outline(p: vec2f, patch_index: u32) -> bool {
+    let points = max(OUTLINE, 1u);
+    let turn = atan2(p.y, p.x) / 6.2831853;
+    let k = min(u32(fract(turn) * f32(points)), points - 1u);
+    let a = outlines[patch_index * points + k];
+    let b = outlines[patch_index * points + (k + 1u) % points];
+    let ab = b - a;
+    let ap = p - a;
+    return ab.x * ap.y - ab.y * ap.x >= 0.0;
+}
+
 @fragment
 fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     let row = shell_rows[in.row];
@@ -187,6 +203,9 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     out = vec4f(out.rgb * tint, out.a);
     if SHADOW {
         out.a += (1.0 - out.a) * edge * shadow(in, n, row.fine);
+    }
+    if OUTLINE > 0u && !in_outline(in.uv * shellfin.torus, in.patch_index) {
+        discard;
     }
     if out.a < LEAST_COVERAGE || bald {
         discard;

@@ -7,6 +7,8 @@ struct Brush {
     radius: f32,      // cm
     direction: vec3f, // tangent of the lean, world
     padding: u32,
+    tint: vec3f,      // factor on the light
+    more_padding: u32,
 }
 
 struct LightingTable {
@@ -50,6 +52,7 @@ struct HairRoot {
     at: SkinPoint,
     lean: vec3f,   // tangential, tangent of the angle
     height: f32,   // cm above the skin at row height 1
+    tint: vec3f,   // factor on the light
 }
 
 fn root_of(v: u32) -> HairRoot {
@@ -59,10 +62,12 @@ fn root_of(v: u32) -> HairRoot {
     if shellfin.curved == 1u {
         lean += groom.comb_direction * scalar(GUARD_COMB, at);
     }
+    var tint = vec3f(1.0);
     for (var i = 0u; i < shellfin.brushes; i++) {
         let d = distance(at.position, brushes[i].center) / brushes[i].radius;
         let w = max(0.0, 1.0 - d * d);
         lean += w * w * brushes[i].direction;
+        tint *= mix(vec3f(1.0), brushes[i].tint, w * w);
     }
     lean -= at.normal * dot(lean, at.normal);
     var height = shellfin.height * max(0.0, scalar(SHELL_LENGTH, at));
@@ -70,7 +75,7 @@ fn root_of(v: u32) -> HairRoot {
         // Where the undercoat was lowered, because it would fold over, so are the shells.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
-    return HairRoot(at, lean, height);
+    return HairRoot(at, lean, height, tint);
 }
 
 // Where the hair is at row height s, relative to its root, by the height of the fur.
@@ -177,6 +182,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             undercoat /= max(row.undercoat, vec3f(1e-3));
         }
     }
+    undercoat *= root.tint;
+    guard *= root.tint;
     row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
         pack2x16snorm(octahedral_encode(lean)));
 }

@@ -59,6 +59,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var scattered = vec3f(0.0);   // by more than one hair
     var key_tau = vec2f(0.0);
     var field = mat3x4f();
+    var above = vec3f(0.0);       // what falls on guard hairs
+    var below = vec3f(0.0);
     for (var j = 0u; j < fur.lights; j++) {
         let depth = tau_of(node, j);
         let light = lights.lights[j];
@@ -66,8 +68,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
         }
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
-            scattered += light.irradiance
-                * sent_radiance(coat, depth, dot(normal, light.direction), dot(normal, view));
+            let sent = sent_radiance(coat, depth, dot(normal, light.direction), dot(normal, view));
+            scattered += light.irradiance * sent[0];
+            above += light.irradiance * sent[1];
+            below += light.irradiance * sent[2];
             let of_light = scattered_field(coat, depth, dot(normal, light.direction));
             field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1], light.irradiance.b * of_light[2]);
         }
@@ -80,12 +84,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
     }
     if MULTIPLE == MULTIPLE_TRANSPORT {
-        let mean = field_mean(field);
-        let slope = field_slope(field);
         let first = node * fur.tau_stride + tau_pairs();
-        tau[first] = pack2x16float(mean.rg);
-        tau[first + 1u] = pack2x16float(vec2f(mean.b, slope.r));
-        tau[first + 2u] = pack2x16float(slope.gb);
+        tau[first] = pack2x16float(above.rg);
+        tau[first + 1u] = pack2x16float(vec2f(above.b, below.r));
+        tau[first + 2u] = pack2x16float(below.gb);
     }
     ambient += scattered / max(coat_color(albedo), vec3f(1e-3));
     let log_ambient = log2(max(ambient, vec3f(1e-7)));

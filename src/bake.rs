@@ -127,6 +127,16 @@ pub fn bake(world: &World) -> Result<FurTextures> {
     Ok(FurTextures { layers: voxels.layers, guard: voxels.guard, fin: fins.0, fin_guard: fins.1, manifest })
 }
 
+/// The hairs that `source = "particles"` grows in its box, with the box's edge and height, cm.
+pub fn particle_hairs(world: &World) -> (Vec<Hair>, [f32; 2]) {
+    let spec = &world.scene.bake;
+    let skin = diameter(&world.skin);
+    let patch = spec.patch.unwrap_or(skin / 16.0);
+    let height = spec.height.unwrap_or(skin / 1000.0 * spec.layers as f32);
+    let fur = particles::ParticleFur::new(&spec.particles, patch, height, world.scene.render.seed);
+    ((0..fur.count()).map(|i| fur.hair(i)).collect(), [patch, height])
+}
+
 /// Diameter of a skin, cm: twice the way from the middle of its bounds to its farthest vertex; 0 without vertices.
 pub fn diameter(skin: &Skin) -> f32 {
     let (low, high) = skin.bounds();

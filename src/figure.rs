@@ -5,11 +5,13 @@
 //! a figure becomes a [`Made`], whose files lie with their [`Record`] in `NAME/result/`; [`page`] and [`markdown`] write reports from the
 //! records, [`golden`] holds small versions against those that are kept.
 
+mod drawing;
 mod golden;
 mod made;
 mod markdown;
 mod page;
 mod panel;
+mod probe;
 mod spec;
 mod stage;
 pub mod study;

@@ -14,7 +14,7 @@ use noise::permutationtable::{NoiseHasher, PermutationTable};
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = 64;
 
-/// Words that the scattered light takes at a node of the light lattice, behind the optical depths: mean and slope of its radiance.
+/// Words that the scattered light takes at a node of the light lattice, behind the optical depths: its mean radiance from above and from below.
 pub const SCATTERED_WORDS: u32 = 3;
 
 /// Texel size of the map buffer, bytes: four halves.

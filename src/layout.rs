@@ -223,7 +223,7 @@ shared! {
         spread: f32,
         guard: u32,
         edge_fade: f32,
-        padding: u32,
+        first_corner: u32,
     }
     /// `shared/shellfin_types.wgsl`
     struct ShellRow {
@@ -245,11 +245,13 @@ shared! {
         radius: f32,
         direction: [f32; 3],
         padding: u32,
+        tint: [f32; 3],
+        more_padding: u32,
     }
     /// `shellfin_raster.wgsl`
     struct FurCorner {
         vertex: u32,
-        padding: u32,
+        patch_index: u32,
         uv: [f32; 2],
         skin_uv: [f32; 2],
     }

@@ -82,9 +82,16 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
         &guard.frizz,
         &undercoat.density,
         &undercoat.height,
+        &scene.shells.length,
     ];
-    let colors =
-        [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &scene.base.color];
+    let colors = [
+        &guard.color_root,
+        &guard.color_tip,
+        &undercoat.color_root,
+        &undercoat.color_tip,
+        &scene.base.color,
+        &scene.shells.color,
+    ];
     let mut maps = Vec::new();
     for s in scalars {
         if let Scalar::Mapped(m) = s {

@@ -81,7 +81,7 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
         ));
     }
     place(&mut skin, spec).map_err(|message| Error::fault(name, message))?;
-    Ok(skin)
+    Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 
 /// Centre, size, scale, rotation (x, then y, then z), translation: in this order.

@@ -10,7 +10,7 @@ mod table;
 mod textures;
 
 pub(crate) use geometry::uv_in_cm;
-pub use geometry::{corners, edges};
+pub use geometry::{Overlapping, corners, edges};
 pub use picture::{Pictures, render};
 pub use rows::{FIN_ROWS, levels, rows};
 pub use table::{hair_lighting, lighting_table};
@@ -49,6 +49,7 @@ pub struct Shellfins<'g> {
     base: Shellfin,
     buffers: Vec<Buffer>,
     edges: u32,
+    shell_triangles: u32,
     /// Depth of fur that a fin stands for, by that of its texture.
     pub fin_depth: f32,
     /// The middle of the skin's bounds, and their diameter, cm.
@@ -128,8 +129,15 @@ impl<'g> Shellfins<'g> {
         let shells = &scene.shells;
         let skin = &world.skin;
         let prepared = Prepared::new(gpu, world, frame, timings)?;
+        let mut overlapping = Overlapping::default();
         let corner_uv = match shells.mapping {
-            Mapping::Lapped => lapped::lap(skin, scene)?.corner_uv,
+            Mapping::Lapped => {
+                let lapped = lapped::lap(skin, scene)?;
+                if scene.lapped.overlapping {
+                    overlapping = Overlapping::new(skin, &lapped);
+                }
+                lapped.corner_uv
+            }
             Mapping::Uv => uv_in_cm(skin).ok_or_else(|| {
                 Error::fault(
                     "shells.mapping",
@@ -137,12 +145,24 @@ impl<'g> Shellfins<'g> {
                 )
             })?,
         };
-        let corners = corners(skin, &corner_uv);
+        let mut corners = corners(skin, &corner_uv);
+        // The shells of overlapping patches have corners of their own, after those of the skin.
+        let first_corner = if overlapping.points == 0 { 0 } else { corners.len() };
+        corners.append(&mut overlapping.corners);
+        let shell_triangles = ((corners.len() - first_corner) / 3) as u32;
+        let mut outlines = overlapping.outlines;
+        outlines.resize(outlines.len().max(1), glam::Vec2::ZERO);
         let fin_edges = edges(skin);
         let mut brushes: Vec<Brush> = shells
             .brushes
             .iter()
-            .map(|b| Brush { center: b.center, radius: b.radius, direction: b.direction, padding: 0 })
+            .map(|b| Brush {
+                center: b.center,
+                radius: b.radius,
+                direction: b.direction,
+                tint: b.tint,
+                ..Brush::zeroed()
+            })
             .collect();
         let strokes = brushes.len() as u32;
         // A binding holds one element at least.
@@ -176,12 +196,14 @@ impl<'g> Shellfins<'g> {
             spread: scene.guard.spread.to_radians().tan(),
             guard: u32::from(!textures.guard.is_empty()),
             edge_fade: f32::from(u8::from(shells.slanted && shells.fins)),
+            first_corner: first_corner as u32,
             ..Shellfin::zeroed()
         };
         let (low, high) = skin.bounds();
         let buffers = vec![
             gpu.upload("fur_corners", 4, &corners)?,
             gpu.upload("fin_edges", 4, &fin_edges)?,
+            gpu.upload("outlines", 4, &outlines)?,
             gpu.upload("brushes", 3, &brushes)?,
             gpu.upload("vertex_uv", 3, &crate::prepare::vertex_uv(skin))?,
             gpu.uniform("lighting_table", &lighting_table(&shells.table))?,
@@ -190,6 +212,7 @@ impl<'g> Shellfins<'g> {
             guard: base.guard == 1,
             detail: shells.lod.enabled,
             shadow: shells.shadow.strength > 0.0,
+            outline: overlapping.points,
             mapped: !matches!(
                 (&shells.color, &shells.length),
                 (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))
@@ -214,6 +237,7 @@ impl<'g> Shellfins<'g> {
             base,
             buffers,
             fin_depth,
+            shell_triangles,
             edges: if shells.fins { fin_edges.len() as u32 } else { 0 },
             bounds: (0.5 * (low + high), (high - low).length()),
         })
@@ -234,7 +258,7 @@ impl<'g> Shellfins<'g> {
         self.edges
     }
 
-    /// A buffer that stays from frame to frame: `fur_corners`, `fin_edges`, `brushes`, `vertex_uv`.
+    /// A buffer that stays from frame to frame: `fur_corners`, `fin_edges`, `outlines`, `brushes`, `vertex_uv`.
     pub fn buffer(&self, name: &str) -> Option<&Buffer> {
         self.buffers.iter().find(|b| b.name == name)
     }
@@ -271,6 +295,7 @@ impl<'g> Shellfins<'g> {
             edges: self.edges,
             fin_rows: FIN_ROWS,
             shells: shellfin.shells,
+            shell_triangles: self.shell_triangles,
             depth_write: shells.depth_write,
         };
         Ok(Rows { shellfin, rows: all, draws, buffers })

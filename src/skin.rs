@@ -43,6 +43,18 @@ impl Skin {
         (0..self.triangles.len()).map(|t| f64::from(self.triangle_area(t))).sum()
     }
 
+    /// The same surface with three vertices of its own for each triangle, whose normals are the triangle's.
+    pub fn faceted(mut self) -> Self {
+        let corners = self.triangles.as_flattened();
+        let positions: Vec<Vec3> = corners.iter().map(|v| self.positions[*v as usize]).collect();
+        self.colors = corners.iter().map(|v| self.colors[*v as usize]).collect();
+        let normal = |t: &[Vec3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize_or(Vec3::Y);
+        self.normals = positions.chunks_exact(3).flat_map(|t| [normal(t); 3]).collect();
+        self.positions = positions;
+        self.triangles = (0..self.triangles.len() as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
+        self
+    }
+
     /// Axis-aligned bounds.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.positions

@@ -230,3 +230,14 @@ fn broken_images_are_named_all_at_once() {
     let pelage::Error::Scene(faults) = error else { panic!("{error}") };
     assert_eq!(faults.len(), 3, "{faults:?}");
 }
+
+#[test]
+fn every_parameter_of_a_scene_loads_its_map() {
+    let folder = std::env::temp_dir().join("pelage-no-such-folder");
+    let set = load(&folder, |scene| {
+        scene.shells.length = scalar("a.png");
+        scene.shells.color = color("b.png");
+    });
+    let error = set.expect_err("neither is there").to_string();
+    assert!(error.contains("a.png") && error.contains("b.png"), "{error}");
+}

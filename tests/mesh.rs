@@ -419,3 +419,25 @@ fn assets_load_with_their_counts() {
     assert_eq!(error.exit_code(), 3);
     assert!(error.to_string().contains("56 zero-area triangles dropped; "), "{error}");
 }
+
+#[test]
+fn facets_share_nothing() {
+    let spec = MeshSpec { shape: Some(Shape::Die), ..MeshSpec::default() };
+    let whole = load(&spec, &no_file).expect("a die");
+    let facets = load(&MeshSpec { faceted: true, ..spec }, &no_file).expect("a die");
+    assert_eq!(facets.positions.len(), 3 * whole.triangles.len());
+    assert_eq!(facets.colors.len(), facets.positions.len());
+    for (t, triangle) in whole.triangles.iter().enumerate() {
+        assert_eq!(facets.corners(t), whole.corners(t));
+        let [a, b, c] = whole.corners(t);
+        let normal = (b - a).cross(c - a).normalize();
+        for k in 0..3 {
+            let v = facets.triangles[t][k] as usize;
+            assert!(facets.normals[v].distance(normal) < 1e-6);
+            assert_eq!(v, 3 * t + k);
+        }
+        let smooth = triangle.map(|v| whole.normals[v as usize].distance(normal));
+        assert!(smooth.iter().all(|d| *d < 0.6), "smoothed normals are near it");
+    }
+    assert!(whole.positions.len() < facets.positions.len() / 2);
+}

@@ -9,19 +9,24 @@ use glam::{Vec3, Vec4};
 use pelage::bake::{FurTextures, lod};
 use pelage::gpu::recorder::Timings;
 use pelage::gpu::{Recorder, Resource};
+use pelage::lapped::lap;
 use pelage::layout::{FinEdge, FurCorner};
 use pelage::passes::shellfin_raster::{ShellfinRaster, Uses};
 use pelage::reference::film::{halves, unpack};
 use pelage::reference::shellfin_raster::{Picture, Pixel, fin_fade};
 use pelage::reference::shellfin_rows;
-use pelage::scene::BakeSource;
+use pelage::scene::{BakeSource, Mapping};
 use pelage::shellfin::Pictures;
 use shellfins::{Fur, even, fur_world, textures};
 
 /// The GPU's samples (colour and depth) and the twin's.
 fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Option<Vec<(Vec4, f32, Pixel)>> {
     let gpu = gpu::open()?;
-    let fur = Fur::new(gpu, fur_world(text), maps, Vec3::ZERO);
+    let mut world = fur_world(text);
+    if world.scene.lapped.overlapping {
+        world.scene.shells.mapping = Mapping::Lapped;
+    }
+    let fur = Fur::new(gpu, world, maps, Vec3::ZERO);
     let size = fur.frame.tile_size;
     let samples = u64::from(size[0] * size[1]);
     let pictures = Pictures::new(gpu, size).unwrap();
@@ -33,7 +38,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let scope = fur.fur.scope().with(&[&frame, &buffer]);
     let scope =
         scope.and("color_target", Resource::Texture(color)).and("depth_target", Resource::Texture(depth));
-    let uses = Uses { guard: false, detail: false, shadow: false, mapped: false };
+    let uses = Uses { guard: false, detail: false, shadow: false, mapped: false, outline: 0 };
     let mut recorder = Recorder::new(gpu);
     ShellfinRaster::new(gpu, uses).unwrap().record_samples(&mut recorder, &scope, samples).unwrap();
     recorder.submit(&mut timings).unwrap();
@@ -45,8 +50,16 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
         gpu.read(prepared.buffer("base_light").unwrap(), vertices.len() as u64 * 8).unwrap();
     let base: Vec<Vec3> =
         base.iter().map(|w| Vec3::new(halves(w[0])[0], halves(w[0])[1], halves(w[1])[0])).collect();
+    let draws = fur.rows.draws;
+    let last = (fur.rows.shellfin.first_corner + 3 * draws.shell_triangles).max(3 * draws.triangles);
     let corners: Vec<FurCorner> =
-        gpu.read(fur.fur.buffer("fur_corners").unwrap(), u64::from(prepared.triangles) * 72).unwrap();
+        gpu.read(fur.fur.buffer("fur_corners").unwrap(), u64::from(last) * 24).unwrap();
+    let outlines = match fur.world.scene.lapped.overlapping {
+        true => {
+            lap(&fur.world.skin, &fur.world.scene).unwrap().patches.into_iter().map(|p| p.outline).collect()
+        }
+        false => Vec::new(),
+    };
     let edges: Vec<FinEdge> = gpu.read(fur.fur.buffer("fin_edges").unwrap(), 12 * 16).unwrap();
     let count = (fur.rows.rows.len() * vertices.len()) as u64;
     let positions: Vec<[f32; 4]> = gpu.read(fur.rows.buffer("row_positions").unwrap(), count * 16).unwrap();
@@ -66,6 +79,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
         vertices: &vertices,
         base_light: &base,
         corners: &corners,
+        outlines: &outlines,
         edges: &edges,
         rows: &fur.rows.rows,
         row_vertices: &row_vertices,
@@ -107,6 +121,19 @@ fn even_layers_are_those_of_the_twin() {
         println!("{text:?}: {share:.4} agree, {fringe} samples of fringe");
         assert!(share > 0.995 && fringe > 100, "{text}: {share} {fringe}");
     }
+}
+
+#[test]
+fn overlapping_patches_are_those_of_the_twin() {
+    let text = "fins = false\n[lapped]\noverlapping = true\nradius = 0.5";
+    let maps = || even(BakeSource::Particles, 4, false);
+    let Some(samples) = both(text, maps(), |_| ()) else { return };
+    let (share, fringe) = agreement(&samples, 6e-3);
+    println!("{share:.4} agree, {fringe} samples of fringe");
+    assert!(share > 0.98 && fringe > 50, "{share} {fringe}");
+    // Without the outlines each patch shows all of the faces that it touches.
+    let Some(unmasked) = both(text, maps(), |picture| picture.outlines = &[]) else { return };
+    assert!(agreement(&unmasked, 6e-3).0 < 0.9);
 }
 
 #[test]

@@ -36,7 +36,14 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
     let brushes: Vec<Brush> = shells
         .brushes
         .iter()
-        .map(|b| Brush { center: b.center, radius: b.radius, direction: b.direction, padding: 0 })
+        .map(|b| Brush {
+            center: b.center,
+            radius: b.radius,
+            direction: b.direction,
+            tint: b.tint,
+            padding: 0,
+            more_padding: 0,
+        })
         .collect();
     let mut fibre = packed.guard_fibre.clone();
     disturb(&mut fibre);
@@ -103,7 +110,7 @@ fn rows_of_other_models_are_those_of_the_twin() {
 
 #[test]
 fn brushed_rows_under_a_table_are_those_of_the_twin() {
-    let text = "lighting = 'table'\ncomb = [0.2, 0, 0]\nbrushes = [{ center = [1, 0, 0], radius = 1.2, direction = [0, 0.8, 0] }]\n\
+    let text = "lighting = 'table'\ncomb = [0.2, 0, 0]\nbrushes = [{ center = [1, 0, 0], radius = 1.2, direction = [0, 0.8, 0], tint = [0.5, 2, 1] }]\n\
         length = { map = 'vertex_color', value = 0.7 }";
     let Some(pairs) = both(text, BakeSource::Particles, |_| ()) else { return };
     let worst = differences(&pairs);

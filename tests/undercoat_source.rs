@@ -59,7 +59,7 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
     let light = lit.lattice();
     let source: Vec<[u32; 4]> = lit.fixture.read("source", lit.nodes());
     let base: Vec<[u32; 2]> = lit.fixture.read("base_light", fur.columns as usize);
-    let (mut brightest, mut worst) = (0f32, 0f32);
+    let (mut brightest, mut worst, mut on_guard) = (0f32, 0f32, 0f32);
     for column in 0..fur.columns {
         for level in 0..=fur.levels {
             let place = lit.place(column, level);
@@ -74,6 +74,19 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
             assert_eq!(found.key_tau, wanted.key_tau, "column {column}, level {level}");
             assert!((found.albedo - wanted.albedo).abs().max_element() < 1.1 / 1023.0);
             assert!((found.density - wanted.density).abs() < 1e-3);
+            if multiple == MultipleModel::Transport {
+                let node = column * (fur.levels + 1) + level;
+                for (found, wanted) in
+                    light.scattered(node).iter().zip(&light.sent(column, level, &place)[1..])
+                {
+                    let error = (*found - *wanted).abs().max_element();
+                    assert!(
+                        error < 5e-3 * (0.1 + wanted.max_element()),
+                        "guard hairs: {found} is not {wanted}"
+                    );
+                    on_guard = on_guard.max(wanted.max_element());
+                }
+            }
             brightest = brightest.max(wanted.log_ambient.max_element());
         }
         let wanted = light.base_light(column, &lit.place(column, 0));
@@ -85,5 +98,6 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
         );
     }
     println!("brightest ambient 2^{brightest:.2}, largest difference of logarithms {worst:.4}");
+    assert_eq!(on_guard > 0.1, multiple == MultipleModel::Transport, "{on_guard}");
     assert!(brightest > -6.0, "nothing is lit by the lights that are summed");
 }

@@ -7,10 +7,11 @@ use pelage::fibre::Fibre;
 use pelage::pathtrace::scene::Geometry;
 use pelage::pathtrace::strands::Layer;
 use pelage::provenance::Provenance;
+use pelage::report::Table;
 use pelage::scene::{FibreModel, FibreSpec};
 use pelage::validate::furnace::{self, albedo_integrated, albedo_sampled};
 use pelage::validate::transmittance::{GOAL, Roots, Slab, through, worst};
-use pelage::validate::{Exhibit, Finding, Goal, Level, Picture, Report, Section, Table, html};
+use pelage::validate::{Exhibit, Finding, Goal, Level, Picture, Report, Section, html};
 use pelage::{Scene, World, assets::Assets};
 
 #[test]
@@ -93,8 +94,8 @@ fn report(value: f64) -> Report {
         Finding::new("volume <march>", "a case", "luminance ratio", value, Some(Goal::OneWithin(0.1)));
     Report {
         provenance: Provenance {
-            version: "1.2.3",
-            commit: "unknown",
+            version: "1.2.3".into(),
+            commit: "unknown".into(),
             command: vec!["pelage".into(), "validate".into()],
             date: "2020-01-02T03:04:05Z".into(),
             adapter: "an adapter".into(),

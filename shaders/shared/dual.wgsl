@@ -17,8 +17,8 @@ fn dual_scatter(row: i32, tint: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: 
     let direct = exp(-tau);
     var sum = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let shares = response_entry(row, tint[c], x);      // on, back, from behind, shift from behind
-        let lobes = response_entry(row + 1, tint[c], x);   // variances on, back, from behind; shift back
+        let shares = response_entry(f32(row), tint[c], x);      // on, back, from behind, shift from behind
+        let lobes = response_entry(f32(row + 1), tint[c], x);   // variances on, back, from behind; shift back
         // DEVIATION: the number of hairs on the way has a Poisson distribution here, of mean tau.
         let forward = density.x * (exp(-tau * (1.0 - shares.x)) - direct);
         let spread = max(tau * shares.x, 1.0) * lobes.x;

@@ -15,7 +15,7 @@ struct Lights {
 const TAU_BLOCKED: f32 = 18.0;
 
 // Optical depths are kept as pairs of halves; the slot behind the last light belongs to the eye. A node has `fur.tau_stride` words: with
-// multiple scattering by transport, mean and slope of the scattered radiance follow, six halves.
+// multiple scattering by transport, mean scattered radiance from above and from below follows, six halves.
 fn tau_pairs() -> u32 {
     return (fur.lights + 2u) / 2u;
 }

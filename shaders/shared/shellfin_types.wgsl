@@ -21,7 +21,7 @@ struct Shellfin {
     spread: f32,             // tangent of the guard hairs' random lean
     guard: u32,              // 1: guard hairs have layers of their own
     edge_fade: f32,          // 1: shells fade where they are seen from the edge
-    padding: u32,
+    first_corner: u32,       // of the shells
 }
 
 struct ShellRow {

@@ -1,5 +1,5 @@
 // Multiple scattering in the coat, from the tables of src/transport.rs as textures: `field_table` holds radiance in four zones by the
-// cosine to a light and the optical depth towards it, `sent_table` what undercoat sends to a view by the same, `response_table` what
+// cosine to a light and the optical depth towards it, `sent_table` what undercoat sends to a view and what falls on guard hairs by the same, `response_table` what
 // single hairs send on, a kind a row; a layer for each brightness of hair, and in it for each cosine of the view. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
 // Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
 
@@ -9,9 +9,10 @@ const MULTIPLE_DUAL: u32 = 1u;
 const MULTIPLE_TRANSPORT: u32 = 2u;
 
 const ROW_HEAD: i32 = 0;   // shares of the sphere, fluxes, weights of what is scattered on and back, along the row
-const ROW_GUARD: i32 = 1;  // mean, along the hair, across it, by the sine of the view's inclination
-const ROW_DUAL_COAT: i32 = 2;   // two rows, by the sine of the difference angle
-const ROW_DUAL_GUARD: i32 = 4;
+const ROW_GUARD: i32 = 1;  // of light from above and from below, TILTS rows by the normal's angle to the hair for each of TILTS azimuths
+const TILTS: i32 = 8;
+const ROW_DUAL_COAT: i32 = 65;  // two rows, by the sine of the difference angle
+const ROW_DUAL_GUARD: i32 = 67;
 
 // Texture coordinate of the place `x` (0..1) between the centres of the first and the last of `count` texels.
 fn table_coordinate(x: f32, count: u32) -> f32 {
@@ -26,10 +27,10 @@ fn tint_layers(tint: f32) -> vec2f {
     return vec2f(layer, at - layer);
 }
 
-// Entry of a row for hair of one colour at `x` (0..1).
-fn response_entry(row: i32, tint: f32, x: f32) -> vec4f {
+// Entry of a row, or between this and the next, for hair of one colour at `x` (0..1).
+fn response_entry(row: f32, tint: f32, x: f32) -> vec4f {
     let size = textureDimensions(response_table);
-    let at = vec2f(table_coordinate(x, size.x), (f32(row) + 0.5) / f32(size.y));
+    let at = vec2f(table_coordinate(x, size.x), (row + 0.5) / f32(size.y));
     let t = tint_layers(tint);
     return mix(textureSampleLevel(response_table, table_sampler, at, i32(t.x), 0.0),
         textureSampleLevel(response_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
@@ -58,40 +59,31 @@ fn scattered_field(tint: vec3f, tau: f32, mu: f32) -> mat3x4f {
         field_entry(tint.g, light_coordinates(size, tau, mu, 1u)), field_entry(tint.b, light_coordinates(size, tau, mu, 2u)));
 }
 
-// Radiance of one colour that undercoat sends to a view, by the places of the depth and light in `at` and of the view.
-fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> f32 {
+// What is sent of one colour, by the places of the depth and light in `at` and of the view.
+fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> vec3f {
     let t = tint_layers(tint);
     let views = f32(textureNumLayers(sent_table)) / f32(textureNumLayers(response_table));
-    var sum = 0.0;
+    var sum = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let layer = i32((t.x + f32(k)) * views + view.x);
-        let of_tint = mix(textureSampleLevel(sent_table, table_sampler, at, layer, 0.0).x,
-            textureSampleLevel(sent_table, table_sampler, at, layer + 1, 0.0).x, view.y);
+        let of_tint = mix(textureSampleLevel(sent_table, table_sampler, at, layer, 0.0).xyz,
+            textureSampleLevel(sent_table, table_sampler, at, layer + 1, 0.0).xyz, view.y);
         sum += of_tint * select(t.y, 1.0 - t.y, k == 0u);
     }
     return sum;
 }
 
-// Radiance that undercoat at an optical depth `tau` towards a light of cosine `mu_light` to the normal sends to a view of cosine
-// `mu_view`, by its extinction, of light scattered before, for an irradiance of 1.
-fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> vec3f {
+// At an optical depth `tau` towards a light of cosine `mu_light` to the normal, for a view of cosine `mu_view`, a colour a row: in the first
+// column radiance that undercoat sends to it, by its extinction, of light scattered before, for an irradiance of 1; in the others radiance
+// that falls on guard hairs from above and from below.
+fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f {
     let size = textureDimensions(sent_table);
     let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
     let layer = min(floor(x), f32(size.x - 2u));
     let view = vec2f(layer, x - layer);
-    return vec3f(sent_entry(tint.r, light_coordinates(size, tau, mu_light, 0u), view),
+    return transpose(mat3x3f(sent_entry(tint.r, light_coordinates(size, tau, mu_light, 0u), view),
         sent_entry(tint.g, light_coordinates(size, tau, mu_light, 1u), view),
-        sent_entry(tint.b, light_coordinates(size, tau, mu_light, 2u), view));
-}
-
-// Mean radiance of a field.
-fn field_mean(field: mat3x4f) -> vec3f {
-    return table_head(0) * field;
-}
-
-// Slope of a field's radiance over the cosine to the normal.
-fn field_slope(field: mat3x4f) -> vec3f {
-    return 1.5 * (table_head(1) * field);
+        sent_entry(tint.b, light_coordinates(size, tau, mu_light, 2u), view)));
 }
 
 // What falls on the skin.
@@ -99,15 +91,26 @@ fn field_irradiance(field: mat3x4f) -> vec3f {
     return 6.2831853 * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
 }
 
-// Radiance that a guard hair sends to `view` where the field has this mean, and this slope along `normal`.
-fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, mean: vec3f, slope: vec3f) -> vec3f {
+// Radiance that a guard hair sends to `view` where this radiance comes from above the horizon of `normal` and from below.
+fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above: vec3f, below: vec3f) -> vec3f {
     let sin_o = dot(tangent, view);
-    let across = normalize(view - sin_o * tangent + 1e-6 * normal);
-    let axis = vec4f(0.0, dot(tangent, normal), dot(across, normal), 0.0);
+    let along = dot(tangent, normal);
+    // Turned round, light from above is that from below.
+    let side = select(-1.0, 1.0, along >= 0.0);
+    let across = view - sin_o * tangent;
+    let up = side * (normal - along * tangent);
+    let cos_azimuth = dot(across, up) * inverseSqrt(max(dot(across, across) * dot(up, up), 1e-12));
+    let last = f32(TILTS - 1);
+    let tilt = acos(min(abs(along), 1.0)) / 1.5707963 * last;
+    let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / 3.1415927 * last;
+    let low = min(floor(azimuth), last - 1.0);
+    let row = f32(ROW_GUARD) + low * f32(TILTS) + tilt;
     var radiance = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let entry = response_entry(ROW_GUARD, tint[c], 0.5 * sin_o + 0.5);
-        radiance[c] = max(0.0, entry.x * mean[c] + dot(entry, axis) * slope[c]);
+        let entry = mix(response_entry(row, tint[c], 0.5 * sin_o + 0.5),
+            response_entry(row + f32(TILTS), tint[c], 0.5 * sin_o + 0.5), azimuth - low);
+        let light = select(vec2f(below[c], above[c]), vec2f(above[c], below[c]), side > 0.0);
+        radiance[c] = dot(entry.xy, light);
     }
     return radiance;
 }

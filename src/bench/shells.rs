@@ -328,7 +328,7 @@ impl Row {
     }
 
     /// The world of this row with `layers` layers over the same height; of textures that it names the innermost are drawn.
-    fn with_layers(&self, world: &World, layers: u32) -> World {
+    pub(crate) fn with_layers(&self, world: &World, layers: u32) -> World {
         let mut world = world.clone();
         let scene = &mut world.scene;
         if world.textures.is_some() {

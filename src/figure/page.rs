@@ -58,11 +58,11 @@ fn section(record: &Record) -> String {
         let label = |file: &String| {
             record.pictures.iter().find(|p| p.file == *file).map(|p| escape(&p.label)).unwrap_or_default()
         };
-        let _ = write!(
+        let _ = writeln!(
             html,
             "<figure class=\"wipe\"><div><img src=\"{}\" alt=\"{2}\"><img class=\"over\" src=\"{}\" alt=\"{3}\"></div>\
              <input type=\"range\" min=\"0\" max=\"100\" value=\"50\" aria-label=\"{2} against {3}\">\
-             <figcaption><span>{2}</span><span>{3}</span></figcaption></figure>\n",
+             <figcaption><span>{2}</span><span>{3}</span></figcaption></figure>",
             at(right),
             at(left),
             label(left),

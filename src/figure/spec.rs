@@ -57,6 +57,9 @@ pub struct Panel {
     /// Overrides, as after `-D`.
     #[serde(default)]
     pub set: Vec<String>,
+    /// Frame of the scene's animation that is shown, from 1.
+    #[serde(default = "one")]
+    pub frame: u32,
     /// A photograph instead of a scene, found like a scene's files.
     pub image: Option<String>,
 }

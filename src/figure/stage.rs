@@ -3,6 +3,7 @@
 use super::made::{Made, Shot};
 use super::panel;
 use super::spec::{Figure, Panel};
+use crate::animation;
 use crate::assets::Assets;
 use crate::film::{composite, depth_of_field, io};
 use crate::provenance::{only_files_missing, say};
@@ -85,7 +86,13 @@ impl Stage<'_> {
     /// # Errors
     /// Those of [`render::render_on`]; [`Error::Interrupted`].
     pub fn render(&self, world: &World) -> Result<Frame> {
-        let options = RenderOptions { aovs: true, cancel: Some(self.cancel), ..RenderOptions::default() };
+        self.render_at(world, 0.0)
+    }
+
+    /// The same, `time` s after the scene's first frame.
+    fn render_at(&self, world: &World, time: f64) -> Result<Frame> {
+        let options =
+            RenderOptions { aovs: true, cancel: Some(self.cancel), time, ..RenderOptions::default() };
         let frame = render::render_on(self.gpu, world, &options)?;
         match frame.fault {
             Some(fault) => Err(fault),
@@ -99,7 +106,11 @@ impl Stage<'_> {
     /// # Errors
     /// As [`Stage::render`], and those of reading the background.
     pub fn shoot(&self, label: &str, world: &World, assets: &Assets) -> Result<Shot> {
-        let mut frame = self.render(world)?;
+        self.shoot_at(label, world, assets, 0.0)
+    }
+
+    fn shoot_at(&self, label: &str, world: &World, assets: &Assets, time: f64) -> Result<Shot> {
+        let mut frame = self.render_at(world, time)?;
         depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
         composite::over_background(&mut frame.film, &world.scene, assets)?;
         self.tell(&format!("{label}: {:.2} s", frame.stats.total_ms / 1e3))?;
@@ -130,23 +141,27 @@ impl Stage<'_> {
     pub(super) fn panels(&self) -> Result<Made> {
         enum Job {
             Scene(Box<World>, Assets),
-            Image(Shot),
+            Image(Box<Shot>),
         }
         let load = |panel: &Panel| match (&panel.scene, &panel.image) {
             (Some(scene), _) => {
                 self.load(scene, &panel.set).map(|(world, assets)| Job::Scene(Box::new(world), assets))
             }
-            (None, image) => {
-                self.photograph(&panel.label, image.as_deref().unwrap_or_default()).map(Job::Image)
-            }
+            (None, image) => self
+                .photograph(&panel.label, image.as_deref().unwrap_or_default())
+                .map(|shot| Job::Image(Box::new(shot))),
         };
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
         let mut made = Made::default();
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
             self.gpu.ledger.reset_peaks();
             made.shots.push(match job {
-                Job::Scene(world, assets) => self.shoot(&panel.label, &world, &assets)?,
-                Job::Image(shot) => shot,
+                Job::Scene(mut world, assets) => {
+                    let state = animation::at(&world.scene, panel.frame);
+                    world.scene.camera = state.camera;
+                    self.shoot_at(&panel.label, &world, &assets, state.time)?
+                }
+                Job::Image(shot) => *shot,
             });
         }
         Ok(made)

@@ -25,6 +25,8 @@ pub struct Draws {
     pub fin_rows: u32,
     /// Shells, or 0.
     pub shells: u32,
+    /// Triangles of a shell: those of the skin, or of all patches where they overlap.
+    pub shell_triangles: u32,
     /// Shells write depth.
     pub depth_write: bool,
 }
@@ -38,6 +40,8 @@ pub struct Uses {
     pub detail: bool,
     /// Shadow between hairs.
     pub shadow: bool,
+    /// Points of the outline that masks a patch; 0 where patches do not overlap.
+    pub outline: u32,
     /// Colour or length come from an image or vertex colours.
     pub mapped: bool,
 }
@@ -54,6 +58,7 @@ impl ShellfinRaster {
             ("DETAIL", number(uses.detail)),
             ("SHADOW", number(uses.shadow)),
             ("MAPPED", number(uses.mapped)),
+            ("OUTLINE", f64::from(uses.outline)),
         ];
         let kernel = |name: &str, target| {
             let (vertex, fragment) = (format!("{name}_vertex"), format!("{name}_fragment"));
@@ -87,7 +92,8 @@ impl ShellfinRaster {
         }
         if draws.shells > 0 {
             let kernel = &self.shells[usize::from(draws.depth_write)];
-            recorder.draw_instances(kernel, scope, targets, [3 * draws.triangles, draws.shells], false)?;
+            let counts = [3 * draws.shell_triangles, draws.shells];
+            recorder.draw_instances(kernel, scope, targets, counts, false)?;
         }
         Ok(())
     }

@@ -28,7 +28,7 @@ impl Tables {
         let (field, sent, response) = match scattered {
             Some(table) => (
                 upload(gpu, size(3 * DEPTHS, TINTS), table.field_texels())?,
-                upload(gpu, size(3 * DEPTHS, COSINES * TINTS), &table.sent_texels())?,
+                upload(gpu, size(3 * DEPTHS, COSINES * TINTS), table.sent_texels())?,
                 upload(gpu, size(ROWS, TINTS), &table.response_texels())?,
             ),
             None => (nothing()?, nothing()?, nothing()?),

@@ -6,6 +6,7 @@ use super::hash::{hash2, random};
 use super::shellfin_rows::RowVertex;
 use super::view::sample_ray;
 use crate::bake::Texture;
+use crate::lapped::contains;
 use crate::layout::{FinEdge, Frame, FurCorner, ShellRow, ShellVertex, Shellfin};
 use crate::passes::shellfin_raster::Draws;
 use crate::skin::NONE;
@@ -26,8 +27,10 @@ pub struct Picture<'a> {
     pub vertices: &'a [ShellVertex],
     /// Radiance of the skin at its vertices.
     pub base_light: &'a [Vec3],
-    /// Three a triangle.
+    /// Three a triangle: of the skin, then of the shells where patches overlap.
     pub corners: &'a [FurCorner],
+    /// Outlines of overlapping patches; empty where they do not overlap.
+    pub outlines: &'a [Vec<Vec2>],
     /// Edges with both faces.
     pub edges: &'a [FinEdge],
     /// The rows.
@@ -46,6 +49,7 @@ pub struct Picture<'a> {
 #[derive(Clone, Copy)]
 struct Varying {
     position: Vec3,
+    patch: u32,
     uv: Vec2,
     normal: Vec3,
     tangent: Vec3,
@@ -143,7 +147,9 @@ impl Picture<'_> {
     }
 
     fn skin(&self) -> Vec<Option<Ready>> {
-        self.triangles(|corner| Varying {
+        let skin = 3 * self.draws.triangles as usize;
+        self.triangles(&self.corners[..skin], |corner| Varying {
+            patch: NONE,
             position: self.vertices[corner.vertex as usize].position.into(),
             uv: Vec2::ZERO,
             normal: Vec3::ZERO,
@@ -155,9 +161,12 @@ impl Picture<'_> {
     }
 
     fn shell(&self, row: u32) -> Vec<Option<Ready>> {
-        self.triangles(|corner| {
+        let first = self.shellfin.first_corner as usize;
+        let end = first + 3 * self.draws.shell_triangles as usize;
+        self.triangles(&self.corners[first..end], |corner| {
             let at = self.row_vertex(row, corner.vertex);
             Varying {
+                patch: corner.patch_index,
                 position: at.position,
                 uv: Vec2::from(corner.uv) / Vec2::from(self.shellfin.torus),
                 normal: self.vertices[corner.vertex as usize].normal.into(),
@@ -169,12 +178,13 @@ impl Picture<'_> {
         })
     }
 
-    fn triangles(&self, varying: impl Fn(&FurCorner) -> Varying) -> Vec<Option<Ready>> {
-        let corner = |c: &FurCorner| varying(c);
-        self.corners
-            .chunks_exact(3)
-            .map(|c| self.ready([corner(&c[0]), corner(&c[1]), corner(&c[2])]))
-            .collect()
+    fn triangles(
+        &self,
+        corners: &[FurCorner],
+        varying: impl Fn(&FurCorner) -> Varying,
+    ) -> Vec<Option<Ready>> {
+        let ready = |c: &[FurCorner]| self.ready([varying(&c[0]), varying(&c[1]), varying(&c[2])]);
+        corners.chunks_exact(3).map(ready).collect()
     }
 
     /// The two triangles of each pair of rows of a fin.
@@ -188,6 +198,7 @@ impl Picture<'_> {
             let u = first + if right { width / self.shellfin.fin_length } else { 0.0 };
             let height = self.rows[(self.draws.shells + row) as usize].height;
             Varying {
+                patch: NONE,
                 position: at.position,
                 uv: Vec2::new(u, height),
                 normal: Vec3::ZERO,
@@ -207,6 +218,10 @@ impl Picture<'_> {
     }
 
     fn shell_color(&self, row: &ShellRow, at: &Varying) -> Vec4 {
+        let place = at.uv * Vec2::from(self.shellfin.torus);
+        if self.outlines.get(at.patch as usize).is_some_and(|outline| !contains(outline, place)) {
+            return Vec4::ZERO;
+        }
         let whole = bilinear(&self.layers[row.fine as usize], at.uv, true);
         let coarse = |textures: &[Texture]| match row.coarse {
             NONE => Vec4::ZERO,
@@ -305,6 +320,7 @@ impl Picture<'_> {
         let uv = w.x * c[0].uv + w.y * c[1].uv + w.z * c[2].uv;
         let at = Varying {
             position: x,
+            patch: c[0].patch,
             uv,
             normal: mix(&|v| v.normal),
             tangent: mix(&|v| v.tangent),

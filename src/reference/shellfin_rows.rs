@@ -65,6 +65,16 @@ impl Hair<'_> {
         }
     }
 
+    /// The brushes' factor on the light of vertex `v`.
+    fn tint(&self, v: usize) -> Vec3 {
+        let at = self.point(v).position;
+        let strokes = self.brushes[..self.shellfin.brushes as usize].iter();
+        strokes.fold(Vec3::ONE, |tint, brush| {
+            let d = at.distance(brush.center.into()) / brush.radius;
+            tint * Vec3::ONE.lerp(brush.tint.into(), (1.0 - d * d).max(0.0).powi(2))
+        })
+    }
+
     /// Tangent of the lean of vertex `v`'s hair, tangential.
     pub fn lean(&self, v: usize) -> Vec3 {
         let at = self.point(v);
@@ -146,6 +156,7 @@ impl Hair<'_> {
                     * hair_lighting(self.table, tangent.dot(l), tangent.dot(h))
                     * row.shade;
             }
+            undercoat *= self.tint(v);
             return RowVertex { position, tangent, lean, undercoat, guard: undercoat };
         }
         let aside = if tangent.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
@@ -178,7 +189,8 @@ impl Hair<'_> {
         if !matches!(self.coat, Fibre::KajiyaKay(_)) {
             undercoat /= Vec3::from(row.undercoat).max(Vec3::splat(1e-3));
         }
-        RowVertex { position, tangent, lean, undercoat, guard }
+        let tint = self.tint(v);
+        RowVertex { position, tangent, lean, undercoat: undercoat * tint, guard: guard * tint }
     }
 }
 

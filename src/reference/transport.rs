@@ -1,8 +1,9 @@
 //! Twin of `shaders/shared/transport.wgsl`: lookups in the table of multiple scattering.
 
 use crate::pathtrace::strands::Layer;
-use crate::transport::{COSINES, DEEPEST, DEPTHS, TINTS, Table, dual};
+use crate::transport::{COSINES, DEEPEST, DEPTHS, TILTS, TINTS, Table, dual};
 use glam::{Vec3, Vec4};
+use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Radiance in the four zones, for each colour.
 pub type Field = [Vec4; 3];
@@ -43,33 +44,25 @@ impl Table {
         })
     }
 
-    /// Radiance that undercoat at an optical depth `tau` towards a light of cosine `light` to the normal sends to a view of cosine
-    /// `view`, by its extinction, of light scattered before, for an irradiance of 1.
-    pub fn sent_radiance(&self, tint: Vec3, tau: f32, light: f32, view: f32) -> Vec3 {
+    /// At an optical depth `tau` towards a light of cosine `light` to the normal, for a view of cosine `view`: radiance that undercoat
+    /// sends to it, by its extinction, of light scattered before, for an irradiance of 1; radiance that falls on guard hairs
+    /// from above and from below.
+    pub fn sent_radiance(&self, tint: Vec3, tau: f32, light: f32, view: f32) -> [Vec3; 3] {
         let (d, d_part) = place((tau / DEEPEST).sqrt(), DEPTHS);
         let (l, l_part) = place(light, COSINES);
         let (v, v_part) = place(0.5 * view + 0.5, COSINES);
-        let mix = |a: f32, b: f32, x: f32| a + (b - a) * x;
-        Vec3::from_array([0, 1, 2].map(|c| {
+        let mix = |a: Vec4, b: Vec4, x: f32| a.lerp(b, x);
+        let of_color = [0, 1, 2].map(|c| {
             let (t, t_part) = tint_place(tint[c]);
             let at = |t: usize, v: usize, d: usize| {
                 let row = &self.sent[((3 * (t * COSINES + v) + c) * DEPTHS + d) * COSINES..];
-                mix(row[l], row[l + 1], l_part)
+                mix(row[l].into(), row[l + 1].into(), l_part)
             };
             let of_view = |t: usize, v: usize| mix(at(t, v, d), at(t, v, d + 1), d_part);
             let of_tint = |t: usize| mix(of_view(t, v), of_view(t, v + 1), v_part);
             mix(of_tint(t), of_tint(t + 1), t_part)
-        }))
-    }
-
-    /// Mean radiance of a field.
-    pub fn field_mean(&self, field: &Field) -> Vec3 {
-        Vec3::from_array(field.map(|f| f.dot(Vec4::from(self.share))))
-    }
-
-    /// Slope of a field's radiance over the cosine to the normal.
-    pub fn field_slope(&self, field: &Field) -> Vec3 {
-        Vec3::from_array(field.map(|f| 1.5 * f.dot(Vec4::from(self.flux))))
+        });
+        [0, 1, 2].map(|which| Vec3::from_array(of_color.map(|entry| entry[which])))
     }
 
     /// What falls on the skin.
@@ -90,22 +83,34 @@ impl Table {
         }))
     }
 
-    /// Radiance that a guard hair sends to `view` where the field has this mean, and this slope along `normal`.
+    /// Radiance that a guard hair sends to `view` where this radiance comes from above the horizon of `normal` and from below.
     pub fn guard_response(
         &self,
         tint: Vec3,
         tangent: Vec3,
         view: Vec3,
         normal: Vec3,
-        [mean, slope]: [Vec3; 2],
+        [above, below]: [Vec3; 2],
     ) -> Vec3 {
         let sin_o = tangent.dot(view);
-        let across = (view - sin_o * tangent + 1e-6 * normal).normalize();
+        let along = tangent.dot(normal);
+        let (side, light) = if along >= 0.0 { (1.0, [above, below]) } else { (-1.0, [below, above]) };
+        let across = view - sin_o * tangent;
+        let up = side * (normal - along * tangent);
+        let lengths = (across.length_squared() * up.length_squared()).max(1e-12).sqrt();
+        let tilt = place(along.abs().min(1.0).acos() / FRAC_PI_2, TILTS);
+        let azimuth = place((across.dot(up) / lengths).clamp(-1.0, 1.0).acos() / PI, TILTS);
         let at = place(0.5 * sin_o + 0.5, COSINES);
-        let axis = Vec4::new(0.0, tangent.dot(normal), across.dot(normal), 0.0);
         Vec3::from_array([0, 1, 2].map(|c| {
-            let entry = entry(&self.guard, tint[c], at);
-            (entry.x * mean[c] + entry.dot(axis) * slope[c]).max(0.0)
+            let (t, t_part) = tint_place(tint[c]);
+            let of = |t: usize, azimuth: usize, tilt: usize| {
+                let row = &self.guard[((t * TILTS + azimuth) * TILTS + tilt) * COSINES..];
+                Vec4::from(row[at.0]).lerp(row[at.0 + 1].into(), at.1)
+            };
+            let of_azimuth = |t, a| of(t, a, tilt.0).lerp(of(t, a, tilt.0 + 1), tilt.1);
+            let of_tint = |t| of_azimuth(t, azimuth.0).lerp(of_azimuth(t, azimuth.0 + 1), azimuth.1);
+            let entry = of_tint(t).lerp(of_tint(t + 1), t_part);
+            entry.x * light[0][c] + entry.y * light[1][c]
         }))
     }
 }

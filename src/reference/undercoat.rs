@@ -49,6 +49,16 @@ pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
     fur.extinction * m.density * shown
 }
 
+/// Mean of a coat's colours at root and tip: light that comes out has been deep in it and high in it. Models of fibres that absorb
+/// have the root of the mean of the squared logarithms, which is the mean absorption.
+pub fn mean_color(coat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
+    if !matches!(coat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
+        return 0.5 * (a + b);
+    }
+    let log = |c: Vec3| c.max(Vec3::splat(1e-3)).map(f32::ln);
+    (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
+}
+
 /// Scattering of light from `l` to `v` (both leave the point) by a hair of colour `tint`; times the irradiance. Kajiya-Kay's is
 /// without the colour, see [`color`].
 pub fn scatter(coat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {

@@ -4,7 +4,7 @@ use super::film::halves;
 use super::lattice::{node_index, unpack_albedo};
 use super::shell::{Place, Shell};
 use super::transport::Field;
-use super::undercoat::{color, scatter};
+use super::undercoat::{color, mean_color, scatter};
 use crate::fibre::Fibre;
 use crate::groom::tau_pairs;
 use crate::layout::{Column, Frame, Fur, Light};
@@ -68,7 +68,7 @@ impl Lattice<'_> {
         halves(self.tau[(node * self.fur.tau_stride + light / 2) as usize])[light as usize & 1]
     }
 
-    /// Mean and slope over the cosine to the normal of the scattered radiance at a node.
+    /// Mean scattered radiance at a node from above and from below.
     pub fn scattered(&self, node: u32) -> [Vec3; 2] {
         let first = (node * self.fur.tau_stride + tau_pairs(self.fur.lights)) as usize;
         let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
@@ -86,6 +86,24 @@ impl Lattice<'_> {
             }
         }
         field
+    }
+
+    /// What [`Table::sent_radiance`] says of all lights of the undercoat at level `level` of a column; with transport only.
+    pub fn sent(&self, column: u32, level: u32, place: &Place) -> [Vec3; 3] {
+        let mut sent = [Vec3::ZERO; 3];
+        if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
+            let height = level as f32 / self.fur.levels as f32 * self.fur.light_reach;
+            let view = (Vec3::from(self.frame.eye) - place.point(height, place.lambda)).normalize();
+            let normal = self.normal(place);
+            let coat = mean_albedo(self.coat, &self.columns[column as usize]);
+            let node = node_index(self.fur, column, level);
+            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                let mu = normal.dot(Vec3::from(light.direction));
+                let of_light = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
+                (0..3).for_each(|k| sent[k] += Vec3::from(light.irradiance) * of_light[k]);
+            }
+        }
+        sent
     }
 
     fn normal(&self, place: &Place) -> Vec3 {
@@ -117,15 +135,7 @@ impl Lattice<'_> {
         }
         let mut scattered = Vec3::ZERO;
         match (self.multiple, self.table) {
-            (MultipleModel::Transport, Some(table)) => {
-                let normal = self.normal(place);
-                let coat = mean_albedo(self.coat, of_column);
-                for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
-                    let mu = normal.dot(Vec3::from(light.direction));
-                    let sent = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
-                    scattered += Vec3::from(light.irradiance) * sent;
-                }
-            }
+            (MultipleModel::Transport, Some(_)) => scattered = self.sent(column, level, place)[0],
             (MultipleModel::Dual, Some(table)) => {
                 for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                     let l = Vec3::from(light.direction);
@@ -166,12 +176,8 @@ impl Lattice<'_> {
     }
 }
 
-/// The coat's albedo in the mean: light that comes out has been deep in it and high in it.
+/// The coat's albedo in the mean.
 fn mean_albedo(coat: &Fibre, column: &Column) -> Vec3 {
     let [a, b] = [column.color_root, column.color_tip].map(unpack_albedo);
-    if !matches!(coat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
-        return 0.5 * (a + b);
-    }
-    let log = |c: Vec3| c.max(Vec3::splat(1e-3)).map(f32::ln);
-    (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
+    mean_color(coat, a, b)
 }

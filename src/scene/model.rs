@@ -173,6 +173,8 @@ pub struct MeshSpec {
     pub center: bool,
     /// Repairs become errors.
     pub strict: bool,
+    /// Triangles do not share vertices, and normals are theirs: flat shading, to look at the mesh. Fur on it would part along every edge.
+    pub faceted: bool,
 }
 
 /// Shapes that are part of the program. Sizes in cm.

@@ -20,7 +20,7 @@ pub struct LappedSpec {
     pub vectors: Vec<FieldVector>,
     /// Textures follow the field; false: each patch is turned at random, as upright hair allows.
     pub aligned: bool,
-    /// Patches overlap within their outline, as in Praun et al. 2000; false: each is extended to whole faces and a face shows
+    /// Patches overlap within their outline, as in Praun et al. 2000, and shells show each of them; false: each is extended to whole faces and a face shows
     /// only the topmost patch, as in Lengyel et al. 2001.
     pub overlapping: bool,
 }
@@ -406,6 +406,14 @@ pub struct Brush {
     pub radius: f32,
     /// As `shells.comb`.
     pub direction: [f32; 3],
+    /// Factor on the hair's brightness at the centre, falling to 1 in the same way: shows what a stroke moves.
+    #[serde(default = "white")]
+    #[schemars(inner(range(min = 0.0)))]
+    pub tint: [f32; 3],
+}
+
+fn white() -> [f32; 3] {
+    [1.0; 3]
 }
 
 /// Shadow between hairs by a second lookup.

@@ -1,6 +1,7 @@
 //! The skin as shells and fins read it: corners with their place in the texture, and edges with both faces.
 
 use crate::Skin;
+use crate::lapped::Lapped;
 use crate::layout::{FinEdge, FurCorner};
 use crate::skin::NONE;
 use glam::Vec2;
@@ -8,20 +9,42 @@ use std::collections::BTreeMap;
 
 /// Three corners a triangle: vertex, place on the patch (cm), the skin's own uv.
 pub fn corners(skin: &Skin, corner_uv: &[[Vec2; 3]]) -> Vec<FurCorner> {
-    let own = |t: usize, k: usize| skin.corner_uv.as_ref().map_or(Vec2::ZERO, |uv| uv[t][k]);
-    skin.triangles
-        .iter()
-        .zip(corner_uv)
-        .enumerate()
-        .flat_map(|(t, (triangle, uv))| {
-            [0, 1, 2].map(|k| FurCorner {
-                vertex: triangle[k],
-                padding: 0,
-                uv: uv[k].into(),
-                skin_uv: own(t, k).into(),
-            })
-        })
-        .collect()
+    corner_uv.iter().enumerate().flat_map(|(t, uv)| corners_of(skin, t, uv, NONE)).collect()
+}
+
+/// Patches that overlap, as shells draw them.
+#[derive(Debug, Clone, Default)]
+pub struct Overlapping {
+    /// In the order of pasting: a triangle's corners once for each patch that touches it.
+    pub corners: Vec<FurCorner>,
+    /// The outlines of all patches, one after the other: cm, around the origin of the patch's uv.
+    pub outlines: Vec<Vec2>,
+    /// Points of an outline.
+    pub points: u32,
+}
+
+impl Overlapping {
+    /// Of a skin on which patches overlap.
+    pub fn new(skin: &Skin, lapped: &Lapped) -> Self {
+        let corners = (0_u32..).zip(&lapped.patches).flat_map(|(number, patch)| {
+            let faces = patch.faces.iter().zip(&patch.corner_uv);
+            faces.flat_map(move |(t, uv)| corners_of(skin, *t as usize, uv, number))
+        });
+        let corners = corners.collect();
+        let points = lapped.patches.first().map_or(0, |patch| patch.outline.len() as u32);
+        let outlines = lapped.patches.iter().flat_map(|patch| patch.outline.iter().copied()).collect();
+        Self { corners, outlines, points }
+    }
+}
+
+fn corners_of(skin: &Skin, t: usize, uv: &[Vec2; 3], patch: u32) -> [FurCorner; 3] {
+    let own = |k: usize| skin.corner_uv.as_ref().map_or(Vec2::ZERO, |uv| uv[t][k]);
+    [0, 1, 2].map(|k| FurCorner {
+        vertex: skin.triangles[t][k],
+        patch_index: patch,
+        uv: uv[k].into(),
+        skin_uv: own(k).into(),
+    })
 }
 
 /// Every edge once, with the third vertices of the faces on its two sides: the face in which it runs from a to b, then

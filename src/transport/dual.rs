@@ -1,14 +1,10 @@
 //! The shares of Zinke et al. 2008 (dual scattering): what a hair scatters on and back, and what many hairs behind it send back.
 
 use super::{COSINES, TINTS, cosine, tint};
-use crate::fibre::{Fibre, Hit};
-use crate::reference::hash::{hash2, random};
+use crate::fibre::{Albedos, Fibre, Hemispheres};
 use glam::Vec3;
 use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
-
-/// Samples of a hair's scattering for each entry.
-const SAMPLES: u32 = 2048;
 
 /// What hairs of one brightness do with light of one inclination.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
@@ -49,35 +45,27 @@ impl Shares {
     }
 }
 
-/// The shares of a hair of model `fibre` seen at sine of inclination `sin`.
-pub fn shares(fibre: &Fibre, tint: f32, sin: f32, seed: u32) -> Shares {
-    let sin = sin.clamp(-0.995, 0.995);
-    let wo = Vec3::new(sin, (1.0 - sin * sin).sqrt(), 0.0);
-    let (mut share, mut first, mut second) = ([0f32; 2], [0f32; 2], [0f32; 2]);
-    for k in 0..SAMPLES {
-        let seed = hash2(seed, k);
-        let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h: 2.0 * random(seed, 4) - 1.0 };
-        if let Some(s) = fibre.sample(&hit, wo, [0, 1, 2, 3].map(|k| random(seed, k))) {
-            let side = usize::from(s.direction.y > 0.0);
-            let turn = s.direction.x.clamp(-1.0, 1.0).asin() + sin.asin();
-            let weight = s.weight.x / SAMPLES as f32;
-            share[side] += weight;
-            first[side] += weight * turn;
-            second[side] += weight * turn * turn;
+impl From<Hemispheres> for Shares {
+    /// Of the first colour.
+    fn from(of: Hemispheres) -> Self {
+        let sides = [of.forward, of.backward];
+        Self {
+            share: sides.map(|s| s.albedo.x.min(0.9999)),
+            shift: sides.map(|s| s.shift),
+            variance: sides.map(|s| (s.width * s.width).max(1e-4)),
         }
     }
-    let mean = [0, 1].map(|s| first[s] / share[s].max(1e-9));
-    let variance = [0, 1].map(|s| (second[s] / share[s].max(1e-9) - mean[s] * mean[s]).max(1e-4));
-    Shares { share: share.map(|s| s.min(0.9999)), shift: mean, variance }
 }
 
 /// Shares of a model, two entries for each `[tint][sine of the inclination]`: on, back, from behind, its shift; then variances on, back,
 /// from behind, and the shift back.
 pub fn table(fibre: &Fibre) -> Vec<[f32; 4]> {
+    let albedos = Albedos::new(fibre);
     (0..TINTS * COSINES)
         .into_par_iter()
         .flat_map_iter(|i| {
-            let s = shares(fibre, tint(i / COSINES), cosine(i % COSINES, -1.0), i as u32);
+            let theta = cosine(i % COSINES, -1.0).clamp(-0.995, 0.995).asin();
+            let s = Shares::from(albedos.hemispherical(theta, Vec3::splat(tint(i / COSINES))));
             let (shift, variance) = s.behind_lobe();
             [
                 [s.share[0], s.share[1], s.behind(), shift],
@@ -131,7 +119,7 @@ mod tests {
     #[test]
     fn a_diffuse_hair_scatters_as_much_on_as_back() {
         let fibre = Fibre::KajiyaKay(KajiyaKay::new(1.0, 0.0, 1.0));
-        let s = shares(&fibre, 0.8, 0.3, 1);
+        let s = Shares::from(Albedos::new(&fibre).hemispherical(0.3f32.asin(), Vec3::splat(0.8)));
         assert!((s.share[0] - 0.4).abs() < 0.01 && (s.share[1] - 0.4).abs() < 0.01, "{s:?}");
     }
 }

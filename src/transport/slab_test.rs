@@ -3,16 +3,23 @@
 use super::slab::*;
 use crate::fibre::{Chiang, Fibre, Hit, KajiyaKay};
 use crate::reference::hash::{hash2, random};
-use crate::transport::tangents;
+use crate::transport::coat::{Medium, standing};
 use glam::Vec3;
 use std::f64::consts::PI;
 
 /// Reflectance of the skin.
 const SKIN: f64 = 0.3;
 
-fn solved(m: &Medium, tint: f32, light: f64) -> (Solution, Operators) {
-    let op = m.operators(tint);
-    (m.solve(&op, SKIN, &[light]), op)
+fn solved(m: &Medium, tint: f32, light: f64) -> (Solution, Layer) {
+    // Between the brightnesses of a bank there would be errors of interpolation.
+    let op = Operators::new(&m.kinds[0].fibre, &m.kinds[0].stations[0], tint, m.seed);
+    let layer = |thick: f64| {
+        let mut layer = Layer::empty(thick);
+        layer.add(&op, 1.0);
+        layer
+    };
+    let layers = m.thicknesses().into_iter().map(layer).collect();
+    (solve(layers, SKIN, &[light]), layer(1.0))
 }
 
 fn diffuse() -> Fibre {
@@ -24,7 +31,7 @@ fn chiang() -> Fibre {
 }
 
 fn medium(fibre: Fibre, depth: f64) -> Medium {
-    Medium { fibre, tangents: tangents(0.2, 0.4, 1.0, 3), depth, skin: [SKIN; 3], seed: 7 }
+    Medium::even(fibre, standing(0.2, 0.4, 1.0, 0.6), depth, [SKIN; 3], 7)
 }
 
 fn toward(degrees: f32) -> Vec3 {
@@ -38,7 +45,9 @@ fn around_normal(seed: u32, light: Vec3) -> Vec3 {
 
 /// A random walk from the eye: light scattered once or more times to `view` for an irradiance of 1 from `light`.
 fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
-    let hairs: Vec<(Vec3, f32)> = m.tangents.iter().map(|t| (*t, 1.0 / t.z.max(0.2))).collect();
+    let (fibre, depth) = (&m.kinds[0].fibre, m.depth());
+    let standing = &m.kinds[0].stations[0].hairs;
+    let hairs: Vec<(Vec3, f32)> = standing.iter().map(|s| (s.tangent, s.shown)).collect();
     let turned = |seed: u32, k: u32| {
         let pick = (random(seed, k) * hairs.len() as f32) as usize;
         let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, k + 1));
@@ -73,9 +82,9 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
             if at <= 0.0 {
                 break;
             }
-            if at >= m.depth {
-                at = m.depth - 1e-9;
-                sum += weight * SKIN / PI * f64::from(light.z) * (-slant * m.depth).exp();
+            if at >= depth {
+                at = depth - 1e-9;
+                sum += weight * SKIN / PI * f64::from(light.z) * (-slant * depth).exp();
                 weight *= SKIN;
                 let d = crate::reference::hash::random_direction(seed, 1) + Vec3::Z;
                 w = d.normalize_or(Vec3::Z);
@@ -97,8 +106,8 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
                 let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h };
                 let (wo, wi) = (local(-w), local(light));
                 let cos = (1.0 - wi.x * wi.x).max(0.0).sqrt();
-                sum += weight * f64::from(m.fibre.evaluate(&hit, wi, wo).x * cos) * (-slant * at).exp();
-                let Some(s) = m.fibre.sample(&hit, wo, [5, 6, 7, 8].map(|k| random(seed, k))) else { break };
+                sum += weight * f64::from(fibre.evaluate(&hit, wi, wo).x * cos) * (-slant * at).exp();
+                let Some(s) = fibre.sample(&hit, wo, [5, 6, 7, 8].map(|k| random(seed, k))) else { break };
                 weight *= f64::from(s.weight.x);
                 w = tangent * s.direction.x + y * s.direction.y + z * s.direction.z;
             }
@@ -117,19 +126,21 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
 fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
     let (l, v) = (f64::from(light.z), f64::from(view.z));
     let (solution, op) = solved(m, tint, l);
+    let (fibre, standing, depth) = (&m.kinds[0].fibre, &m.kinds[0].stations[0].hairs, m.depth());
     let steps = 4000;
-    let dz = m.depth / f64::from(steps);
+    let dz = depth / f64::from(steps);
     let once = (0..20_000u32)
         .map(|k| {
             let seed = hash2(5, k);
             let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, 0));
-            let t = turn * m.tangents[(random(seed, 1) * m.tangents.len() as f32) as usize];
+            let hair = standing[(random(seed, 1) * standing.len() as f32) as usize];
+            let t = turn * hair.tangent;
             let (y, z) = t.any_orthonormal_pair();
             let local = |v: Vec3| Vec3::new(t.dot(v), y.dot(v), z.dot(v));
             let (wi, wo) = (local(around_normal(seed, light)), local(view));
             let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h: 2.0 * random(seed, 2) - 1.0 };
             let sines = ((1.0 - wi.x * wi.x) * (1.0 - wo.x * wo.x)).max(0.0).sqrt();
-            f64::from(m.fibre.evaluate(&hit, wi, wo).x * sines / t.z.max(0.2))
+            f64::from(fibre.evaluate(&hit, wi, wo).x * sines * hair.shown)
         })
         .sum::<f64>()
         / 20_000.0;
@@ -142,9 +153,9 @@ fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
     }
     // Through the coat to the skin, by what falls on it.
     let falling: f64 = (HALF..BINS)
-        .map(|bin| 2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(m.depth, 0, bin))
+        .map(|bin| 2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(depth, 0, bin))
         .sum();
-    sum + SKIN / PI * (falling + l * (-sl * m.depth).exp()) * (-sv * m.depth).exp()
+    sum + SKIN / PI * (falling + l * (-sl * depth).exp()) * (-sv * depth).exp()
 }
 
 fn agrees(fibre: fn() -> Fibre, tint: f32, depth: f64, bound: f64) {
@@ -154,7 +165,7 @@ fn agrees(fibre: fn() -> Fibre, tint: f32, depth: f64, bound: f64) {
         let found = by_adding(&m, tint, toward(light), toward(view));
         println!(
             "{:?}, tint {tint}, depth {depth}, light {light}, view {view}: {found:.4}, walks {wanted:.4}, ratio {:.3}",
-            std::mem::discriminant(&m.fibre),
+            std::mem::discriminant(&m.kinds[0].fibre),
             found / wanted
         );
         assert!((found / wanted - 1.0).abs() < bound, "{found} {wanted}");
@@ -184,10 +195,10 @@ fn a_lossless_coat_on_a_white_skin_loses_nothing() {
     // All light that enters comes out again: the flux at the top is that of the light.
     let m = medium(diffuse(), 5.0);
     let light = 0.7;
-    let solution = m.solve(&m.operators(1.0), 1.0, &[light]);
+    let bank = m.bank();
+    let solution = solve(m.layers(&bank, 1.0, 0), 1.0, &[light]);
     let out: f64 =
         (0..HALF).map(|bin| -2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(0.0, 0, bin)).sum();
     println!("out {out:.4}, in {light}");
-    // The kernel is sampled: a beam's share of it is known to about two percent.
-    assert!((out / light - 1.0).abs() < 0.05, "{out}");
+    assert!((out / light - 1.0).abs() < 0.03, "{out}");
 }

@@ -94,10 +94,11 @@ pub struct Fur<'w> {
     pub frame: Frame,
     /// The textures.
     pub textures: FurTextures,
-    world: std::marker::PhantomData<&'w World>,
+    /// What it grows on.
+    pub world: &'w World,
 }
 
-impl Fur<'_> {
+impl Fur<'static> {
     /// Uploads a fur and places its rows. The world lives as long as the test.
     pub fn new(gpu: &'static Gpu, world: World, textures: FurTextures, bend: Vec3) -> Self {
         let world: &'static World = Box::leak(Box::new(world));
@@ -106,7 +107,7 @@ impl Fur<'_> {
         let mut timings = Timings::default();
         let fur = Shellfins::new(gpu, world, &textures, &frame, &mut timings).expect("a fur");
         let rows = fur.rows(&frame, &Moment { bend }, &mut timings).expect("rows");
-        Self { fur, rows, frame, textures, world: std::marker::PhantomData }
+        Self { fur, rows, frame, textures, world }
     }
 
     /// The skin's vertices.
