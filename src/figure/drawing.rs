@@ -38,11 +38,11 @@ impl Canvas {
 
     fn points(&mut self, element: &str, points: &[Point], style: &str) {
         let list: Vec<String> = points.iter().map(|[x, y]| format!("{x:.1},{y:.1}")).collect();
-        let _ = writeln!(self.body, "<{element} points=\"{}\" style=\"{style}\"/>", list.join(" "));
+        let _ = write!(self.body, "<{element} points=\"{}\" style=\"{style}\"/>", list.join(" "));
     }
 
     pub(super) fn line(&mut self, a: Point, b: Point, style: &str) {
-        let _ = writeln!(
+        let _ = write!(
             self.body,
             "<line x1=\"{:.1}\" y1=\"{:.1}\" x2=\"{:.1}\" y2=\"{:.1}\" style=\"{style}\"/>",
             a[0], a[1], b[0], b[1]
@@ -61,7 +61,7 @@ impl Canvas {
 
     pub(super) fn circle(&mut self, [x, y]: Point, radius: f64, style: &str) {
         let _ =
-            writeln!(self.body, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" style=\"{style}\"/>");
+            write!(self.body, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" style=\"{style}\"/>");
     }
 
     pub(super) fn text(&mut self, [x, y]: Point, anchor: Anchor, px: f64, words: &str) {
@@ -70,7 +70,7 @@ impl Canvas {
             Anchor::Middle => "middle",
             Anchor::End => "end",
         };
-        let _ = writeln!(
+        let _ = write!(
             self.body,
             "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{px}\">{}</text>",
             escape(words)
@@ -81,9 +81,9 @@ impl Canvas {
     pub(super) fn svg(self) -> String {
         let [w, h] = self.size;
         format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\">\n\
-             <style>text{{font-family:system-ui,sans-serif;fill:#222}}</style>\n\
-             <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n{}</svg>\n",
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {w} {h}\" width=\"{w}\" height=\"{h}\">\
+             <style>text{{font-family:system-ui,sans-serif;fill:#222}}</style>\
+             <rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>{}</svg>\n",
             self.body
         )
     }
