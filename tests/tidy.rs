@@ -39,6 +39,8 @@ fn sources() -> Vec<Source> {
                 if !["result", "golden"].iter().any(|made| path.ends_with(made)) {
                     walk(&path, found);
                 }
+            } else if path.ends_with("paper_figures/index.html") {
+                // So was the report.
             } else if let Ok(text) = std::fs::read_to_string(&path) {
                 let path = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
                 found.push(Source { path, text });
