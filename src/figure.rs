@@ -2,8 +2,8 @@
 //! and a caption.
 //!
 //! Panels are scenes rendered as any other picture, and need no code. What is more than scenes side by side is a [`study`]. Either way
-//! a figure becomes a [`Made`], whose files lie with their [`Record`] in `NAME/result/`; [`page`] and [`markdown`] write reports from the
-//! records, [`golden`] holds small versions against those that are kept.
+//! a figure becomes a [`Made`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
+//! records, `golden` holds small versions against those that are kept.
 
 mod drawing;
 mod golden;
@@ -73,7 +73,12 @@ pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
         match make(&gpu, figure, folder, root, options, cancel) {
             Ok(record) => {
                 say(&format!("  {:.1} s, {}\n", record.seconds, result_folder(root, &name).display()))?;
-                if options.bless {
+                if !record.missing.is_empty() {
+                    say(&format!(
+                        "  note: {} is not there; pictures are not kept or compared\n",
+                        record.missing.join(", ")
+                    ))?;
+                } else if options.bless {
                     golden::keep(&record, root, folder)?;
                 }
                 if options.check {
@@ -141,7 +146,7 @@ fn make(
     if let Some(study) = figure.study.as_deref().and_then(study::find) {
         let more = study(&stage)?;
         made.shots.extend(more.shots);
-        made = Made { shots: made.shots, ..more };
+        made = Made { shots: made.shots, missing: made.missing, ..more };
     }
     let record = Record {
         figure: name,

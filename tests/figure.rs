@@ -102,3 +102,50 @@ fn a_figure_from_end_to_end() {
         String::from_utf8_lossy(&run.stderr)
     );
 }
+
+/// A registry with one figure of the given panels, each a TOML table without its head.
+fn registry(folder: &Folder, panels: &[&str]) -> std::path::PathBuf {
+    let place = folder.path().join("paper_figures/x-small");
+    std::fs::create_dir_all(&place).unwrap();
+    let panels: String = panels.iter().map(|panel| format!("[[panels]]\n{panel}\n")).collect();
+    let head = "title = \"Small\"\nsource = \"nobody\"\ncolumns = 2\nquick.size = [48, 30]\nquick.spp = 1\n";
+    std::fs::write(place.join("figure.toml"), head.to_owned() + &panels).unwrap();
+    std::fs::write(place.join("caption.md"), "# Small\n\nTwo pictures.\n").unwrap();
+    let scene = "[mesh]\nshape = \"pyramid\"\n[camera]\neye = [0, 6, 30]\n[[lights]]\n[guard]\ndensity = 4\n";
+    std::fs::write(place.join("scene.toml"), scene).unwrap();
+    place
+}
+
+fn make(folder: &Folder, arguments: &[&str]) -> (Option<i32>, String) {
+    let run = command().current_dir(folder.path()).arg("figure").args(arguments).output().unwrap();
+    let text = [run.stdout, run.stderr].concat();
+    (run.status.code(), String::from_utf8_lossy(&text).into_owned())
+}
+
+#[test]
+fn what_differs_from_what_is_kept_is_told() {
+    let folder = Folder::new();
+    let place = registry(&folder, &["label = \"hairs\"\nscene = \"scene.toml\""]);
+    let (code, text) = make(&folder, &["x-small", "--quick", "--check"]);
+    assert!(code == Some(1) && text.contains("nothing is kept"), "{text}");
+    assert_eq!(make(&folder, &["x-small", "--quick", "--bless"]).0, Some(0));
+    let page = std::fs::read_to_string(folder.path().join("paper_figures/README.md")).unwrap();
+    assert!(page.contains("x-small/golden/x-small.png"), "{page}");
+    assert_eq!(make(&folder, &["--all", "--quick", "--check"]).0, Some(0));
+    let scene = std::fs::read_to_string(place.join("scene.toml")).unwrap();
+    std::fs::write(place.join("scene.toml"), scene.replace("density = 4", "density = 12")).unwrap();
+    let (code, text) = make(&folder, &["--all", "--quick", "--check"]);
+    assert!(code == Some(1) && text.contains("x-small: the picture differs"), "{text}");
+}
+
+#[test]
+fn a_photograph_that_is_not_there_leaves_its_place() {
+    let folder = Folder::new();
+    let image = "label = \"photograph\"\nimage = \"photos/no-such.png\"";
+    let place = registry(&folder, &[image, "label = \"hairs\"\nscene = \"scene.toml\""]);
+    let (code, text) = make(&folder, &["x-small", "--quick", "--bless"]);
+    assert!(code == Some(0) && text.contains("photos/no-such.png is not there"), "{text}");
+    assert!(!place.join("golden").exists(), "a place for a picture is not kept as if it were one");
+    let slot = io::read(place.join("result/a_photograph.png")).unwrap();
+    assert_eq!((slot.width, slot.height), (48, 30));
+}

@@ -73,6 +73,7 @@ pub(super) fn differences(record: &Record, root: &Path, folder: &Path) -> Result
     let mut lines = Vec::new();
     let [now, then]: [PathBuf; 2] = [result_folder(root, name), folder.join(FOLDER)];
     match (&record.sheet, &kept.sheet) {
+        _ if !record.missing.is_empty() => {}
         (Some(sheet), Some(old)) => {
             let [sheet, old] = [io::read(now.join(sheet))?, io::read(then.join(old))?];
             match compare(&sheet, &old) {

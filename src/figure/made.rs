@@ -69,6 +69,8 @@ pub struct Made {
     pub values: Vec<Value>,
     /// Files that were written besides (name, what it is).
     pub files: Vec<(String, String)>,
+    /// Photographs that are not there; words on grey stand for them.
+    pub missing: Vec<String>,
 }
 
 impl Made {
@@ -115,6 +117,9 @@ pub struct Record {
     pub values: Vec<Value>,
     /// Other files.
     pub files: Vec<Drawing>,
+    /// Photographs that are not there.
+    #[serde(default)]
+    pub missing: Vec<String>,
 }
 
 /// A picture's place in a [`Record`].
@@ -200,6 +205,7 @@ impl Record {
         }
         self.text = made.text;
         self.values = made.values;
+        self.missing = made.missing;
         self.files = made.files.into_iter().map(|(file, caption)| Drawing { file, caption }).collect();
         write_json(&out.join(RECORD), &self)?;
         Ok(self)

@@ -152,7 +152,9 @@ impl Stage<'_> {
                 .map(|shot| Job::Image(Box::new(shot))),
         };
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
-        let mut made = Made::default();
+        let there = |name: &String| Assets::of_folder(self.folder).find(name).is_ok();
+        let images = self.figure.panels.iter().filter_map(|panel| panel.image.clone());
+        let mut made = Made { missing: images.filter(|name| !there(name)).collect(), ..Made::default() };
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
             self.gpu.ledger.reset_peaks();
             made.shots.push(match job {
