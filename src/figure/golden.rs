@@ -3,8 +3,9 @@
 use super::made::{Record, Value};
 use super::result_folder;
 use crate::compare::compare;
-use crate::film::io;
+use crate::film::{Metadata, io};
 use crate::provenance::write_json;
+use crate::scene::{FilmSpec, Tonemap};
 use crate::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
@@ -26,7 +27,7 @@ pub(super) struct Kept {
     pub(super) drawings: Vec<super::made::Drawing>,
     /// Tables and words as they were, Markdown: for the report, not compared.
     pub(super) text: String,
-    /// Machine, version and date of the text.
+    /// Machine, version and date of the text; empty without one.
     pub(super) provenance: String,
     /// Numbers that are compared.
     pub(super) values: Vec<Value>,
@@ -47,7 +48,12 @@ pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
     }
     std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, e))?;
     let from = result_folder(root, &record.figure);
-    for file in record.sheet.iter().chain(record.drawings.iter().map(|d| &d.file)) {
+    if let Some(sheet) = &record.sheet {
+        // Without command and machine: the file changes when the picture does.
+        let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
+        io::write(&io::read(from.join(sheet))?, to.join(sheet), &Metadata::default(), &spec)?;
+    }
+    for file in record.drawings.iter().map(|d| &d.file) {
         std::fs::copy(from.join(file), to.join(file)).map_err(|e| Error::io(to.join(file), e))?;
     }
     let p = &record.provenance;
@@ -55,7 +61,10 @@ pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
         sheet: record.sheet.clone(),
         drawings: record.drawings.clone(),
         text: record.text.clone(),
-        provenance: format!("{}, {}, pelage {}, {}", p.adapter, p.driver, p.version, p.date),
+        provenance: match record.text.is_empty() {
+            true => String::new(),
+            false => format!("{}, {}, pelage {}, {}", p.adapter, p.driver, p.version, p.date),
+        },
         values: record.values.clone(),
     };
     write_json(&to.join(FILE), &kept)
