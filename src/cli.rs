@@ -8,6 +8,7 @@ mod args;
 mod bake;
 mod bench;
 mod check;
+mod choice;
 mod compare;
 mod devices;
 mod export;
@@ -22,8 +23,8 @@ mod render;
 mod schema;
 mod validate;
 
-use crate::{Error, Result};
 use clap::{Args, Parser, Subcommand};
+use pelage_core::{Error, Result};
 use std::{num::NonZeroUsize, process::ExitCode};
 
 /// Renders fur: guard hairs as strands, undercoat as a ray-marched shell, blended exactly.

@@ -4,21 +4,19 @@
 //!
 //! # The way of the data
 //!
-//! A scene file becomes a [`Scene`] ([`scene`]): plain values, with preset, includes and overrides merged, all faults of
-//! the file reported at once. What the scene names is loaded into a [`World`] ([`world`]): the mesh, repaired, scaled and
-//! smoothed, as a [`Skin`] ([`mesh`], [`skin`]); lights, and environment maps turned into lights ([`light`]); the
-//! groom's images ([`maps`]).
+//! A scene file becomes a [`Scene`]: plain values, with preset, includes and overrides merged; all faults of the file are
+//! reported at once. What the scene names is loaded into a [`World`]: the mesh, repaired, scaled and smoothed, as a
+//! [`Skin`]; the lights, those made of an environment map included; the groom's images.
 //!
-//! [`render::render`] opens an adapter ([`gpu`]) and packs the groom into the structs of the shaders ([`groom`],
-//! [`layout`]). [`prepare`] makes everything that does not depend on the view's tiles: the prism shell, the undercoat's
-//! densities, the light lattice and, where they fit the memory budget, the shaded strands; else these are grown for each
-//! tile. Then each tile goes through the last passes ([`passes`]): the skin's nearest triangles, the rays' entries into
-//! the shell, the strands' fragments, and the resolve pass, which sorts the fragments of a sample and marches the
-//! undercoat between them. A filter makes pixels of samples.
+//! [`render::render`] opens an adapter, uploads the groom, and prepares everything that does not depend on the tile: the
+//! prism shell, the undercoat's densities, the optical-depth lattice and, where they fit the memory budget, the shaded
+//! strands. Each tile then goes through the last passes: the nearest triangles of the skin, the entries of rays into the
+//! shell, the fragments of strands, and the resolve pass, which sorts the fragments of a sample and marches the undercoat
+//! between them. A filter makes pixels of samples.
 //!
-//! The pixels are a [`Film`](film::Film) of named planes, premultiplied. Depth of field and background change it;
-//! [`film::io`] writes it as EXR or PNG, whole or not at all ([`files`]). [`stats`] counts and times everything in the
-//! rows of the paper's Table 1.
+//! The result is a [`film::Film`] of named planes, premultiplied. Depth of field and background are applied to it;
+//! [`film::io`] writes it as EXR or PNG, whole or not at all. [`render::Stats`] counts and times everything in the rows of
+//! the paper's Table 1.
 //!
 //! # A picture in a few calls
 //!
@@ -64,58 +62,81 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`scene`], [`assets`] | scene files; where the files they name are found |
-//! | [`mesh`], [`skin`], [`maps`], [`light`], [`camera`], [`world`] | what is loaded |
-//! | [`animation`], [`dynamics`] | what a frame shows; how far hair is bent in it |
-//! | [`groom`], [`layout`] | what the shaders are given |
-//! | [`lapped`], [`bake`], [`shellfin`], [`dynamics`] | patches, textures, shells and fins, forces on hair |
-//! | [`gpu`], [`passes`], [`prepare`], [`render`] | the GPU, the passes, and their order |
-//! | [`film`], [`files`], [`hair`], [`export`], [`compare`] | pictures, files, hair and scenes for other programs, metrics |
-//! | [`mod@reference`] | the passes once more in plain Rust, for the tests |
-//! | [`mod@bench`], [`figure`], [`validate`], [`provenance`] | the paper's Table 1 and figures, errors of the approximations, and where results came from |
-//! | [`report`] | plots and tables of reports |
-//! | [`stats`], [`error`], [`cli`] | counts and times, what can go wrong, the command |
+//! | [`scene`], [`assets`] | scene files; where the files that they name are found |
+//! | [`render`], [`film`] | rendering; images, their files, background and depth of field |
+//! | [`reference`](mod@reference) | the ground truth: every hair a strand, path traced on the CPU |
+//! | [`shells`] | lapped patches, baked textures |
+//! | [`fibre`] | how single hairs scatter light |
+//! | [`export`], [`compare`](mod@compare) | scenes and hair for other programs; metrics of images |
 //!
-//! `ARCHITECTURE.md` in the repository says why things are as they are.
+//! The crates beneath (`pelage-core`, `pelage-fur`, ...) are this program's rooms. Their interfaces change without notice;
+//! what is listed here is what stays. `ARCHITECTURE.md` in the repository says how they fit together.
 
-pub mod animation;
-pub mod assets;
-pub mod bake;
-pub mod bench;
-pub mod camera;
-pub mod cli;
-pub mod compare;
-pub mod dynamics;
-pub mod error;
-pub mod export;
-pub mod fibre;
-pub mod figure;
-pub mod files;
-pub mod film;
-pub mod gpu;
-pub mod groom;
-pub mod hair;
-pub mod lapped;
-pub mod layout;
-pub mod light;
-pub mod maps;
-pub mod mesh;
-pub mod passes;
-pub mod pathtrace;
-pub mod prepare;
-pub mod provenance;
-pub mod reference;
-pub mod render;
-pub mod report;
-pub mod scene;
-pub mod shellfin;
-pub mod skin;
-pub mod stats;
-pub mod transport;
-pub mod validate;
-pub mod world;
+pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 
-pub use error::{Error, Result, SceneFault};
-pub use scene::Scene;
-pub use skin::Skin;
-pub use world::World;
+/// Scene files: their values, overrides from the command line, and their JSON schema.
+pub mod scene {
+    pub use pelage_core::scene::{
+        Background, Blend, Camera, Color, FilmSpec, Fur, Override, Scalar, Tonemap, json_schema,
+    };
+}
+
+/// Where the files that a scene names are found.
+pub mod assets {
+    pub use pelage_core::assets::Assets;
+}
+
+/// Images of named planes, their files, tone mapping, background and depth of field.
+pub mod film {
+    pub use pelage_core::film::{Film, Metadata, Plane, composite, depth_of_field, io, tonemap};
+}
+
+/// Rendering a [`World`](crate::World): hybrid fur, or shells and fins where the scene says so.
+pub mod render {
+    pub use pelage_core::animation;
+    pub use pelage_core::hair::HairFile;
+    pub use pelage_core::stats::{PassTime, Stats, Step};
+    pub use pelage_gpu::{AdapterSummary, Gpu, list_adapters};
+    pub use pelage_render::strands::strands;
+    pub use pelage_render::{Frame, Progress, RenderOptions, open};
+    pub use pelage_shells::{render, render_on, render_with};
+}
+
+/// The ground truth: every hair a strand, path traced on the CPU.
+pub mod reference {
+    pub use pelage_pathtrace::grow::{Estimate, GrowOptions, Patch, estimate, grow};
+    pub use pelage_pathtrace::strands::{Hair, Strands};
+    pub use pelage_pathtrace::{Identity, Integrator, LightModel, Options, Outcome, Progress, render};
+}
+
+/// Lapped patches over a skin, and textures for shells and fins baked from a groom.
+pub mod shells {
+    pub use pelage_shells::bake::{
+        FurTextures, Texture, WriteOptions, bake, check_folder, gltf, load, write,
+    };
+    pub use pelage_shells::lapped::{
+        Lapped, Patch, Statistics, field_picture, lap, patch_picture, write_obj,
+    };
+}
+
+/// How single hairs scatter light.
+pub mod fibre {
+    pub use pelage_fur::Layer;
+    pub use pelage_fur::fibre::{
+        Absorption, Angles, Chiang, Fibre, Hit, KajiyaKay, Medulla, Sadeghi, Sample, offsets,
+    };
+}
+
+/// Skin, hairs, camera, lights and materials for other renderers.
+pub mod export {
+    pub use pelage_core::mesh::write_obj;
+    pub use pelage_export::{EnvironmentAs, Target, Written, check_folder, write};
+}
+
+/// Metrics of images, and pictures of their differences.
+pub mod compare {
+    pub use pelage_studies::compare::{
+        Comparison, ErrorImage, METRICS, Metric, Metrics, Options, Region, Sense, Thresholds, compare,
+        compare_with, error_image, error_image_with,
+    };
+}

@@ -1,5 +1,7 @@
-//! The `pelage` command: everything it does is in the library, see [`pelage::cli`].
+//! The `pelage` command.
+
+mod cli;
 
 fn main() -> std::process::ExitCode {
-    pelage::cli::run()
+    cli::run()
 }

@@ -1,11 +1,10 @@
 //! Arguments that several subcommands share, and the forms of their values.
 
-use crate::{
-    Result, Scene,
-    assets::Assets,
-    scene::{Blend, Fur, Override, Tonemap},
-};
-use clap::{Args, ValueEnum};
+use super::choice::{choice, word};
+use clap::Args;
+use pelage_core::assets::Assets;
+use pelage_core::scene::{Blend, Fur, Override, Tonemap};
+use pelage_core::{Result, Scene};
 use std::path::PathBuf;
 
 /// A scene file and what the command line sets over it.
@@ -24,10 +23,10 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     seed: Option<u32>,
     /// Which layers are rendered.
-    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    #[arg(long, value_parser = choice::<Fur>(), help_heading = "Scene overrides")]
     fur: Option<Fur>,
     /// How undercoat and guard hairs are blended.
-    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    #[arg(long, value_parser = choice::<Blend>(), help_heading = "Scene overrides")]
     blend: Option<Blend>,
     /// Virtual fragments a ray, for --blend virtual.
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
@@ -42,7 +41,7 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Scene overrides")]
     size: Option<[u32; 2]>,
     /// Tone mapping of PNG output.
-    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    #[arg(long, value_parser = choice::<Tonemap>(), help_heading = "Scene overrides")]
     tonemap: Option<Tonemap>,
     /// Exposure, stops.
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, help_heading = "Scene overrides")]
@@ -68,12 +67,11 @@ impl SceneArgs {
     /// `-D` in order, then the flags.
     fn overrides(&self) -> Result<Vec<Override>> {
         let mut all = self.define.iter().map(|d| Override::parse(d)).collect::<Result<Vec<_>>>()?;
-        let word = |w: Option<clap::builder::PossibleValue>| w.map(|w| w.get_name().to_owned());
         let flags = [
             ("--spp", "film.spp", self.spp.map(|v| v.to_string())),
             ("--seed", "render.seed", self.seed.map(|v| v.to_string())),
-            ("--fur", "render.fur", word(self.fur.and_then(|v| v.to_possible_value()))),
-            ("--blend", "render.blend", word(self.blend.and_then(|v| v.to_possible_value()))),
+            ("--fur", "render.fur", self.fur.and_then(|v| word(&v))),
+            ("--blend", "render.blend", self.blend.and_then(|v| word(&v))),
             (
                 "--virtual-fragments",
                 "render.virtual_fragments",
@@ -83,7 +81,7 @@ impl SceneArgs {
             ("--tile", "render.tile", self.tile.map(|v| v.to_string())),
             ("--size", "film.width", self.size.map(|s| s[0].to_string())),
             ("--size", "film.height", self.size.map(|s| s[1].to_string())),
-            ("--tonemap", "film.tonemap", word(self.tonemap.and_then(|v| v.to_possible_value()))),
+            ("--tonemap", "film.tonemap", self.tonemap.and_then(|v| word(&v))),
             ("--exposure", "film.exposure", self.exposure.map(|v| format!("{v:?}"))),
             ("--strict", "mesh.strict", self.strict.then(|| "true".to_owned())),
         ];

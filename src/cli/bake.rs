@@ -1,18 +1,18 @@
 //! `pelage bake`.
 
+use super::choice::{choice, word};
 use super::{
     Global,
     args::{self, SceneArgs},
     output::{self, count, human_bytes},
 };
-use crate::{
-    Error, Result, World,
-    bake::{self, Content, Format, ManifestFile, WriteOptions, mips::Keep},
-    film::Metadata,
-    lapped,
-    scene::{BakeSource, Override},
-};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use pelage_core::film::Metadata;
+use pelage_core::scene::{BakeSource, Override};
+use pelage_core::{Error, Result, World};
+use pelage_shells::bake::mips::Keep;
+use pelage_shells::bake::{Content, Format, ManifestFile, WriteOptions};
+use pelage_shells::{bake, lapped};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -23,7 +23,7 @@ pub(super) struct BakeArgs {
     #[arg(long = "outdir", short = 'o', value_name = "DIR", required = true)]
     outdir: PathBuf,
     /// What is baked.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<BakeSource>())]
     source: Option<BakeSource>,
     /// Layers, 1 to 128.
     #[arg(long, value_name = "N")]
@@ -35,7 +35,7 @@ pub(super) struct BakeArgs {
     #[arg(long, value_name = "CM")]
     patch: Option<f32>,
     /// Formats: PNG and EXR layers, KTX2 arrays uncompressed (ktx2) and as BC3 and BC7 (bc).
-    #[arg(long, value_enum, value_delimiter = ',', default_value = "png,exr,ktx2,bc", value_name = "LIST")]
+    #[arg(long, value_parser = choice::<Format>(), value_delimiter = ',', default_value = "png,exr,ktx2,bc", value_name = "LIST")]
     formats: Vec<Format>,
     /// Mip levels of KTX2 files keep the share of texels at or above this coverage, for alpha-tested layers; not given: the
     /// mean coverage, for blended ones.
@@ -98,7 +98,7 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
 impl BakeArgs {
     /// The flags as values of the scene.
     fn overrides(&self) -> Vec<Override> {
-        let source = self.source.and_then(|s| s.to_possible_value()).map(|s| s.get_name().to_owned());
+        let source = self.source.and_then(|s| word(&s));
         let resolution = self.resolution.map(|[w, h]| format!("[{w}, {h}]"));
         let flags = [
             ("--source", "bake.source", source),

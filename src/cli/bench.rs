@@ -1,12 +1,12 @@
 //! `pelage bench`.
 
 use super::args;
-use crate::{
-    Error, Result,
-    bench::{self, shells, sweep::Sweep},
-    files,
-};
+use super::choice::choice;
 use clap::Args;
+use pelage_core::{Error, Result, files};
+use pelage_studies::bench;
+use pelage_studies::bench::shells;
+use pelage_studies::bench::sweep::Sweep;
 use std::{num::NonZeroU32, path::PathBuf};
 
 #[derive(Debug, Args)]
@@ -24,7 +24,7 @@ pub(super) struct BenchArgs {
     #[arg(long, value_name = "SIZE", value_parser = args::bytes)]
     memory: Option<u64>,
     /// Compare ways to render instead of making the table; may be given several times.
-    #[arg(long, value_enum, value_name = "WHAT")]
+    #[arg(long, value_parser = choice::<Sweep>(), value_name = "WHAT")]
     sweep: Vec<Sweep>,
     /// Frames a second of shells and fins instead of the table, and how their cost grows with layers and triangles.
     #[arg(long, conflicts_with = "sweep")]

@@ -5,11 +5,9 @@ use super::{
     args::SceneArgs,
     output::{self, count, human_bytes},
 };
-use crate::{
-    Error, Result, Scene, World,
-    scene::{Fur, Scalar, Storage},
-};
 use clap::Args;
+use pelage_core::scene::{Fur, Scalar, Storage};
+use pelage_core::{Error, Result, Scene, World};
 use serde::Serialize;
 
 #[derive(Debug, Args)]

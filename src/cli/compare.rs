@@ -1,13 +1,12 @@
 //! `pelage compare`.
 
 use super::{args, output};
-use crate::{
-    Error, Result,
-    compare::{self, ErrorImage, Options, Region, Thresholds},
-    film::{Metadata, io},
-    scene::{FilmSpec, Tonemap},
-};
 use clap::Args;
+use pelage_core::film::{Metadata, io};
+use pelage_core::scene::{FilmSpec, Tonemap};
+use pelage_core::{Error, Result};
+use pelage_studies::compare;
+use pelage_studies::compare::{ErrorImage, Options, Region, Thresholds};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]

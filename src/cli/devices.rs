@@ -1,8 +1,9 @@
 //! `pelage devices`.
 
 use super::output;
-use crate::{Error, Result, gpu};
 use clap::Args;
+use pelage_core::{Error, Result};
+use pelage_gpu as gpu;
 
 #[derive(Debug, Args)]
 pub(super) struct DevicesArgs {

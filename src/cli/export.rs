@@ -1,18 +1,18 @@
 //! `pelage export`: what is rendered, for other renderers.
 
+use super::choice::choice;
 use super::{
     Global,
     args::SceneArgs,
     output::{self, count, human_bytes},
 };
-use crate::{
-    Result, World,
-    export::{self, EnvironmentAs, Target},
-    files, mesh,
-    pathtrace::grow::{self, GrowOptions},
-    render,
-};
 use clap::Args;
+use pelage_core::{Result, World, files, mesh};
+use pelage_export as export;
+use pelage_export::{EnvironmentAs, Target};
+use pelage_pathtrace::grow;
+use pelage_pathtrace::grow::GrowOptions;
+use pelage_render as render;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -27,13 +27,13 @@ pub(super) struct ExportArgs {
     #[arg(long, value_name = "FILE.obj")]
     mesh: Option<PathBuf>,
     /// Write the whole scene with every hair for another renderer; what it cannot express stands as comments in the scene file.
-    #[arg(long, value_enum, value_name = "TARGET", requires = "folder")]
+    #[arg(long, value_parser = choice::<Target>(), value_name = "TARGET", requires = "folder")]
     to: Option<Target>,
     /// The folder for --to; made where only it is missing.
     #[arg(short = 'o', long, value_name = "FOLDER", requires = "to")]
     folder: Option<PathBuf>,
     /// What the environment becomes for --to.
-    #[arg(long, value_enum, value_name = "AS", default_value = "map", requires = "to")]
+    #[arg(long, value_parser = choice::<EnvironmentAs>(), value_name = "AS", default_value = "map", requires = "to")]
     environment: EnvironmentAs,
 }
 
@@ -51,7 +51,7 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
         say(format!("{}: {} triangles\n", path.display(), count(world.skin.triangles.len() as u64)))?;
     }
     if let Some(path) = &args.strands {
-        let hair = render::strands(&world)?;
+        let hair = render::strands::strands(&world)?;
         hair.write(path)?;
         say(format!("{}: {} guard hairs\n", path.display(), count(hair.segments.len() as u64)))?;
     }

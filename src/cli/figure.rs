@@ -1,8 +1,9 @@
 //! `pelage figure`.
 
 use super::{args, interrupt};
-use crate::{Result, figure};
 use clap::Args;
+use pelage_core::Result;
+use pelage_studies::figure;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]

@@ -1,6 +1,7 @@
 //! Ranges of frames on the command line, and the names of their files.
 
-use crate::{Error, Result, scene::Animation};
+use pelage_core::scene::Animation;
+use pelage_core::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Frames to render, from 1, both ends included.

@@ -1,6 +1,6 @@
 //! Ctrl-C: the first one asks the rendering to end after its current chunk, the second one ends the process.
 
-use crate::{Error, Result};
+use pelage_core::{Error, Result};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static CANCEL: AtomicBool = AtomicBool::new(false);

@@ -1,19 +1,17 @@
 //! `pelage lapped`: patches that a small texture clothes a mesh with.
 
+use super::choice::{choice, word};
 use super::{
     Global, args,
     output::{self, count},
 };
-use crate::{
-    Error, Result, Scene,
-    assets::Assets,
-    files,
-    film::{self, Metadata},
-    lapped::{self, Statistics},
-    mesh,
-    scene::{FieldSource, FilmSpec, Override, Tonemap},
-};
-use clap::{Args, ValueEnum};
+use clap::Args;
+use pelage_core::assets::Assets;
+use pelage_core::film::Metadata;
+use pelage_core::scene::{FieldSource, FilmSpec, Override, Tonemap};
+use pelage_core::{Error, Result, Scene, files, film, mesh};
+use pelage_shells::lapped;
+use pelage_shells::lapped::Statistics;
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
@@ -34,7 +32,7 @@ pub(super) struct LappedArgs {
     #[arg(long, value_name = "PART", help_heading = "Scene overrides")]
     irregularity: Option<f32>,
     /// Where the direction of the hair comes from.
-    #[arg(long, value_enum, help_heading = "Scene overrides")]
+    #[arg(long, value_parser = choice::<FieldSource>(), help_heading = "Scene overrides")]
     field: Option<FieldSource>,
     /// Patches overlap within their outlines.
     #[arg(long, help_heading = "Scene overrides")]
@@ -97,7 +95,7 @@ impl LappedArgs {
     /// `-D` in order, then the flags.
     fn overrides(&self) -> Result<Vec<Override>> {
         let mut all = self.define.iter().map(|d| Override::parse(d)).collect::<Result<Vec<_>>>()?;
-        let field = self.field.and_then(|v| Some(v.to_possible_value()?.get_name().to_owned()));
+        let field = self.field.and_then(|v| word(&v));
         let flags = [
             ("--radius", "lapped.radius", self.radius.map(|v| format!("{v:?}"))),
             ("--irregularity", "lapped.irregularity", self.irregularity.map(|v| format!("{v:?}"))),

@@ -1,6 +1,6 @@
 //! Files and text that leave the program.
 
-use crate::{Error, Result, files};
+use pelage_core::{Error, Result, files};
 use std::{io::Write, path::Path};
 
 /// Prints to stdout. A reader that has gone away (`pelage schema | head`) is no error.

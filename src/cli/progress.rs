@@ -1,7 +1,7 @@
 //! Progress on stderr.
 
-use crate::render::Progress;
 use indicatif::{ProgressBar, ProgressStyle};
+use pelage_render::Progress;
 use std::{
     io::IsTerminal,
     sync::Mutex,

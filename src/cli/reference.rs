@@ -1,5 +1,6 @@
 //! `pelage reference`: the ground truth of a scene by path tracing, without a GPU.
 
+use super::choice::choice;
 use super::{
     Global,
     args::SceneArgs,
@@ -7,17 +8,15 @@ use super::{
     output::{self, count},
     progress::Display,
 };
-use crate::{
-    Error, Result, Scene, World,
-    film::{Film, Metadata, composite::Backdrop, io},
-    pathtrace::{
-        self, Identity, Integrator, LightModel, Options, Outcome,
-        grow::{GrowOptions, Patch},
-    },
-    render,
-};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
+use pelage_core::film::composite::Backdrop;
+use pelage_core::film::{Film, Metadata, io};
+use pelage_core::{Error, Result, Scene, World};
+use pelage_pathtrace as pathtrace;
+use pelage_pathtrace::grow::{GrowOptions, Patch};
+use pelage_pathtrace::{Identity, Integrator, LightModel, Options, Outcome};
+use pelage_render as render;
 use std::{
     path::{Path, PathBuf},
     time::{Duration, Instant},
@@ -32,11 +31,11 @@ pub(super) struct ReferenceArgs {
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
     /// How light is gathered.
-    #[arg(long, value_enum, default_value = "path")]
+    #[arg(long, value_parser = choice::<Integrator>(), default_value = "path")]
     integrator: Integrator,
     /// Which lights: the renderer's directional ones (scene), or the environment itself (map); not given: scene for single,
     /// map for path.
-    #[arg(long, value_enum)]
+    #[arg(long, value_parser = choice::<LightModel>())]
     lights: Option<LightModel>,
     /// Stop after this time, s.
     #[arg(long, value_name = "S", value_parser = above_zero)]

@@ -8,15 +8,12 @@ use super::{
     output::{self, count, human_bytes},
     progress::Display,
 };
-use crate::{
-    Error, Result, Scene, World, animation,
-    assets::Assets,
-    files,
-    film::{Metadata, composite, depth_of_field, io},
-    render::{self, RenderOptions},
-    stats::Stats,
-};
 use clap::Args;
+use pelage_core::assets::Assets;
+use pelage_core::film::{Metadata, composite, depth_of_field, io};
+use pelage_core::stats::Stats;
+use pelage_core::{Error, Result, Scene, World, animation, files};
+use pelage_render::RenderOptions;
 use std::{
     path::{Path, PathBuf},
     sync::atomic::{AtomicBool, Ordering},
@@ -107,7 +104,7 @@ fn picture(
         progress: Some(&show),
         cancel: Some(cancel),
     };
-    let frame = render::render(world, &options);
+    let frame = pelage_shells::render(world, &options);
     display.finish();
     let mut frame = frame?;
 

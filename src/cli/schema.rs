@@ -1,7 +1,7 @@
 //! `pelage schema`.
 
 use super::output;
-use crate::{Result, scene};
+use pelage_core::{Result, scene};
 
 /// Prints the JSON schema of scene files.
 pub(super) fn run() -> Result<()> {

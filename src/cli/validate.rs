@@ -1,11 +1,10 @@
 //! `pelage validate`.
 
 use super::{Global, interrupt, output, progress::Display};
-use crate::{
-    Result,
-    validate::{self, Level},
-};
 use clap::Args;
+use pelage_core::Result;
+use pelage_studies::validate;
+use pelage_studies::validate::Level;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -62,7 +61,7 @@ fn summary(report: &validate::Report) -> String {
                 None => "",
             };
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-            let value = crate::report::number(f.value);
+            let value = pelage_studies::report::number(f.value);
             text += format!(
                 "  {:<38} {:<42} {:<40} {value:>9}  {goal:<14} {verdict}",
                 f.approximation, f.case, f.metric

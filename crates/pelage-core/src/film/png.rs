@@ -1,0 +1,100 @@
+//! PNG: 8-bit sRGB with text chunks.
+
+use super::{
+    Film, Metadata,
+    io::{MAX_PIXELS, Texels, check_size},
+    tonemap::{clamped, display_rgb8, srgb_decode},
+};
+use crate::files::Failure;
+use crate::scene::FilmSpec;
+use ::png::text_metadata::ITXtChunk;
+use glam::Vec3;
+use rayon::prelude::*;
+use std::{
+    fs::File,
+    io::{BufReader, Write},
+};
+
+/// What a key is called in a file.
+const PREFIX: &str = "pelage.";
+
+/// Encodes premultiplied linear pixels: straight colour, exposure, tone mapping, sRGB; straight alpha, left out where
+/// it is 1 everywhere.
+pub(super) fn encode(
+    width: u32,
+    height: u32,
+    premultiplied: &[[f32; 4]],
+    out: &mut impl Write,
+    meta: &Metadata,
+    spec: &FilmSpec,
+) -> Result<(), Failure> {
+    let opaque = premultiplied.iter().all(|p| p[3] >= 1.0);
+    let channels = if opaque { 3 } else { 4 };
+    let mut bytes = vec![0u8; premultiplied.len() * channels];
+    bytes.par_chunks_mut(channels).zip(premultiplied).for_each(|(to, &[r, g, b, a])| {
+        let alpha = clamped(a, 1.0);
+        // Colour without coverage (a glow) cannot be written straight: it is dropped with its pixel.
+        let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
+        to[..3].copy_from_slice(&display_rgb8(straight, spec));
+        if let Some(to) = to.get_mut(3) {
+            *to = (alpha * 255.0).round() as u8;
+        }
+    });
+
+    let mut encoder = ::png::Encoder::new(out, width, height);
+    encoder.set_color(if opaque { ::png::ColorType::Rgb } else { ::png::ColorType::Rgba });
+    encoder.set_depth(::png::BitDepth::Eight);
+    encoder.set_source_srgb(::png::SrgbRenderingIntent::Perceptual);
+    let mut writer = encoder.write_header()?;
+    let tone = format!("{:?} exposure {}", spec.tonemap, spec.exposure).to_lowercase();
+    let software = concat!("pelage ", env!("CARGO_PKG_VERSION")).to_owned();
+    let own = [("Software".to_owned(), software), (format!("{PREFIX}tonemap"), tone)];
+    let given = meta.entries.iter().map(|(key, value)| (format!("{PREFIX}{key}"), value.clone()));
+    for (key, value) in own.into_iter().chain(given) {
+        let mut chunk = ITXtChunk::new(key, value.replace('\0', " "));
+        chunk.compressed = value.len() > 1024;
+        writer.write_text_chunk(&chunk)?;
+    }
+    writer.write_image_data(&bytes)?;
+    Ok(writer.finish()?)
+}
+
+/// What `image` may allocate for the largest picture that is read (16 bits a channel).
+pub(super) fn limits() -> image::Limits {
+    let mut limits = image::Limits::no_limits();
+    limits.max_alloc = Some(MAX_PIXELS * 16 + (64 << 20));
+    limits
+}
+
+/// Decodes a PNG of any colour type to texels with straight alpha; colours, where it holds any, from sRGB.
+pub(super) fn decode_texels(input: &mut BufReader<File>, color: bool) -> Result<Texels, Failure> {
+    use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
+    let decoder = PngDecoder::with_limits(input, limits())?;
+    let (width, height) = decoder.dimensions();
+    check_size(width.into(), height.into(), 4)?;
+    let pixels = DynamicImage::from_decoder(decoder)?.into_rgba32f();
+    let linear = |v: f32| if color { srgb_decode(v) } else { v };
+    let texels = pixels.as_raw().par_chunks(4).map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), p[3]]);
+    Ok((width, height, texels.collect()))
+}
+
+/// Decodes a PNG to premultiplied linear planes.
+pub(super) fn decode(input: &mut BufReader<File>) -> Result<Film, Failure> {
+    let (width, height, mut texels) = decode_texels(input, true)?;
+    texels.par_iter_mut().for_each(|[rgb @ .., alpha]| rgb.iter_mut().for_each(|v| *v *= *alpha));
+    Ok(Film::from_premultiplied(width, height, &texels))
+}
+
+/// The `pelage.*` text chunks in front of the image data.
+pub(super) fn decode_metadata(input: &mut BufReader<File>) -> Result<Metadata, Failure> {
+    let reader = ::png::Decoder::new(input).read_info()?;
+    let mut meta = Metadata::default();
+    for chunk in &reader.info().utf8_text {
+        if let Some(key) = chunk.keyword.strip_prefix(PREFIX) {
+            let mut chunk = chunk.clone();
+            chunk.decompress_text_with_limit(64 << 20)?;
+            meta = meta.with(key, chunk.get_text()?);
+        }
+    }
+    Ok(meta)
+}

@@ -1,0 +1,99 @@
+//! Lights: everything that shines becomes a list of directional lights before the passes run.
+
+pub mod environment;
+
+use crate::assets::Assets;
+use crate::scene::{Environment, Shading};
+use crate::{Error, Result, Scene, SceneFault};
+use environment::{Panorama, map_from_world, median_cut, uniform_sky};
+use glam::Vec3;
+
+/// Largest number of lights that an environment map becomes.
+pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
+
+/// A directional light as the passes read it.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Light {
+    /// Unit vector from the scene towards the light, world space.
+    pub direction: Vec3,
+    /// Irradiance on a surface that faces the light, linear RGB.
+    pub irradiance: Vec3,
+    /// Whether the light comes from the environment map (Andersen et al. 2016 do not light the undercoat by it).
+    pub environment: bool,
+    /// Whether the undercoat is lit by it.
+    pub undercoat: bool,
+}
+
+/// All directional lights of a scene: the given ones, then those made of the environment map.
+///
+/// # Errors
+/// [`Error::Scene`] for directions of no length, irradiances and factors that are negative or not finite, a number of
+/// environment lights outside 1..=64, and a map that is missing or damaged. All faults of the given values at once.
+pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
+    let mut faults = Vec::new();
+    let mut fault = |place: String, message: String| {
+        faults.push(SceneFault { file: place.into(), line: 0, column: 0, message, help: None });
+    };
+    let usable = |v: &[f32]| v.iter().all(|x| x.is_finite() && *x >= 0.0);
+    let mut lights = Vec::new();
+    for (i, light) in scene.lights.iter().enumerate() {
+        let direction = Vec3::from(light.direction).try_normalize();
+        if direction.is_none() {
+            fault(
+                format!("lights[{i}].direction"),
+                format!("is {:?}: expected a vector that points to the light", light.direction),
+            );
+        }
+        if !usable(&light.irradiance) {
+            fault(
+                format!("lights[{i}].irradiance"),
+                format!("is {:?}: expected finite numbers from 0", light.irradiance),
+            );
+        }
+        if let Some(direction) = direction {
+            let irradiance = Vec3::from(light.irradiance);
+            lights.push(Light { direction, irradiance, environment: false, undercoat: true });
+        }
+    }
+    if let Some(environment) = &scene.environment {
+        if !(1..=MAX_ENVIRONMENT_LIGHTS).contains(&environment.lights) {
+            fault(
+                "environment.lights".into(),
+                format!("is {}: expected 1 to {MAX_ENVIRONMENT_LIGHTS}", environment.lights),
+            );
+        }
+        if !usable(&environment.tint) || !usable(&[environment.intensity]) || !environment.rotate.is_finite()
+        {
+            fault(
+                "environment".into(),
+                "intensity and tint must be finite numbers from 0, rotate a finite angle".into(),
+            );
+        }
+    }
+    if !faults.is_empty() {
+        return Err(Error::Scene(faults));
+    }
+    if let Some(environment) = &scene.environment {
+        let undercoat = environment.undercoat && scene.render.shading != Shading::Paper;
+        lights.extend(environment_lights(environment, assets)?.into_iter().map(|l| Light { undercoat, ..l }));
+    }
+    Ok(lights)
+}
+
+/// The environment as directional lights in world space.
+fn environment_lights(environment: &Environment, assets: &Assets) -> Result<Vec<Light>> {
+    let factor = Vec3::from(environment.tint) * environment.intensity;
+    if environment.map.is_empty() {
+        return Ok(uniform_sky(factor, environment.lights));
+    }
+    let panorama = Panorama::load(&assets.find(&environment.map)?)?;
+    let world_from_map = map_from_world(environment.rotate).inverse();
+    Ok(median_cut(&panorama, environment.lights)
+        .into_iter()
+        .map(|light| Light {
+            direction: (world_from_map * light.direction).normalize(),
+            irradiance: light.irradiance * factor,
+            ..light
+        })
+        .collect())
+}

@@ -1,0 +1,209 @@
+//! Image maps of the groom.
+
+use crate::assets::Assets;
+use crate::film::io;
+use crate::scene::{Color, Scalar};
+use crate::{Error, Result, Scene};
+use glam::{Vec2, Vec3, Vec4};
+use std::path::Path;
+
+/// The map name that stands for the mesh's vertex colours instead of an image.
+pub const VERTEX_COLOR: &str = "vertex_color";
+
+/// Larger images are reduced to this many texels a side.
+pub const MAX_SIDE: u32 = 2048;
+
+/// Length that an image covers where it is looked up without uv, cm, at scale 1.
+pub const TRIPLANAR_CM: f32 = 10.0;
+
+/// The images that a scene's groom names, each once.
+#[derive(Debug, Clone, Default)]
+pub struct MapSet {
+    /// The images.
+    pub images: Vec<MapImage>,
+    /// What loading changed or noticed, for the user.
+    pub notes: Vec<String>,
+}
+
+/// One image, linear RGBA (PNG colours decoded from sRGB for colours, raw for scalars: see `name`).
+#[derive(Debug, Clone)]
+pub struct MapImage {
+    /// File name as in the scene.
+    pub name: String,
+    /// Decoded from sRGB (colours) or raw (scalars).
+    pub color: bool,
+    /// Texels.
+    pub width: u32,
+    /// Texels.
+    pub height: u32,
+    /// Row by row from the top, straight alpha.
+    pub texels: Vec<[f32; 4]>,
+}
+
+impl MapSet {
+    /// Loads every map that `scene` names: PNG, HDR or EXR.
+    ///
+    /// Errors: [`Error::Scene`] with all images that are missing or unreadable, each by name.
+    pub fn load(scene: &Scene, assets: &Assets) -> Result<Self> {
+        let mut set = Self::default();
+        let mut faults = Vec::new();
+        for (name, color) in maps_of(scene) {
+            if set.index_of(name, color).is_some() {
+                continue;
+            }
+            match assets.find(name).and_then(|path| load_image(&path, name, color, &mut set.notes)) {
+                Ok(image) => set.images.push(image),
+                Err(Error::Scene(mut found)) => {
+                    // The same file may be wanted as a colour and as a scalar: one message is enough.
+                    found.retain(|fault| !faults.contains(fault));
+                    faults.append(&mut found);
+                }
+                Err(other) => return Err(other),
+            }
+        }
+        if faults.is_empty() { Ok(set) } else { Err(Error::Scene(faults)) }
+    }
+
+    /// Where in `images` the map called `name` is, read as a colour or as a scalar.
+    pub fn index_of(&self, name: &str, color: bool) -> Option<usize> {
+        self.images.iter().position(|image| image.name == name && image.color == color)
+    }
+}
+
+/// The images that the groom names, and whether they are read as colours; repeated as often as they are named.
+fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
+    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
+    let scalars = [
+        &guard.density,
+        &guard.length,
+        &guard.thickness,
+        &guard.comb,
+        &guard.clump,
+        &guard.curl,
+        &guard.frizz,
+        &undercoat.density,
+        &undercoat.height,
+        &scene.shells.length,
+    ];
+    let colors = [
+        &guard.color_root,
+        &guard.color_tip,
+        &undercoat.color_root,
+        &undercoat.color_tip,
+        &scene.base.color,
+        &scene.shells.color,
+    ];
+    let mut maps = Vec::new();
+    for s in scalars {
+        if let Scalar::Mapped(m) = s {
+            maps.push((m.map.as_str(), false));
+        }
+    }
+    for c in colors {
+        if let Color::Mapped(m) = c {
+            maps.push((m.map.as_str(), true));
+        }
+    }
+    maps.retain(|(name, _)| *name != VERTEX_COLOR);
+    maps
+}
+
+/// Reads one image, replaces what is not a number by 0 and reduces it to [`MAX_SIDE`].
+fn load_image(path: &Path, name: &str, color: bool, notes: &mut Vec<String>) -> Result<MapImage> {
+    let (width, height, texels) = io::read_texels(path, color)?;
+    let mut image = MapImage { name: name.to_owned(), color, width, height, texels };
+    let mut bad = 0;
+    for v in image.texels.iter_mut().flatten().filter(|v| !v.is_finite()) {
+        *v = 0.0;
+        bad += 1;
+    }
+    if bad > 0 {
+        notes.push(format!("{name}: {bad} values that are not finite numbers, set to 0"));
+    }
+    if width > MAX_SIDE || height > MAX_SIDE {
+        image = image.reduced();
+        notes.push(format!("{name}: reduced from {width}x{height} to {}x{}", image.width, image.height));
+    }
+    Ok(image)
+}
+
+impl MapImage {
+    /// The texel at column x and row y, both wrapped once where they are one step outside.
+    fn texel(&self, x: i32, y: i32) -> Vec4 {
+        let wrap = |i: i32, n: u32| (i + n as i32) as usize % n as usize;
+        self.texels
+            .get(wrap(y, self.height) * self.width as usize + wrap(x, self.width))
+            .map_or(Vec4::ZERO, |t| Vec4::from_array(*t))
+    }
+
+    /// The image at `uv`, repeated: u to the right, v up, so that v = 0 is the lower edge of the bottom row; texel
+    /// centres lie at half texels, between them the four nearest are mixed.
+    pub fn bilinear(&self, uv: Vec2) -> [f32; 4] {
+        let uv = uv - uv.floor();
+        let x = uv.x * self.width as f32 - 0.5;
+        let y = (1.0 - uv.y) * self.height as f32 - 0.5;
+        let (x0, y0) = (x.floor(), y.floor());
+        let (fx, fy) = (x - x0, y - y0);
+        let (i, j) = (x0 as i32, y0 as i32);
+        let top = self.texel(i, j) * (1.0 - fx) + self.texel(i + 1, j) * fx;
+        let bottom = self.texel(i, j + 1) * (1.0 - fx) + self.texel(i + 1, j + 1) * fx;
+        (top * (1.0 - fy) + bottom * fy).to_array()
+    }
+
+    /// The image at a place without uv: three lookups along the axes, at (y, z), (x, z) and (x, y), weighted by the
+    /// fourth power of the normal's component along the axis. At `scale` 1 the image repeats every
+    /// [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the place in cm, `normal` need not be of unit length.
+    pub fn triplanar(&self, position_cm: Vec3, normal: Vec3, scale: f32) -> [f32; 4] {
+        let p = position_cm * (scale / TRIPLANAR_CM);
+        let n2 = normal * normal;
+        let n4 = n2 * n2;
+        let sum = n4.x + n4.y + n4.z;
+        let weight = if sum > 0.0 { n4 / sum } else { Vec3::Y };
+        let lookup = |u: f32, v: f32| Vec4::from_array(self.bilinear(Vec2::new(u, v)));
+        (lookup(p.y, p.z) * weight.x + lookup(p.x, p.z) * weight.y + lookup(p.x, p.y) * weight.z).to_array()
+    }
+
+    /// A smaller image of at most [`MAX_SIDE`] a side whose texels are means over the (fractional) boxes they cover;
+    /// the aspect ratio stays as nearly as whole texels allow.
+    fn reduced(&self) -> Self {
+        let larger = self.width.max(self.height);
+        let side = |n: u32| {
+            let scaled = u64::from(n) * u64::from(MAX_SIDE) / u64::from(larger);
+            (scaled as u32).max(1)
+        };
+        let (width, height) = (side(self.width), side(self.height));
+        let columns = boxes(self.width, width);
+        let rows = boxes(self.height, height);
+        let mut texels = Vec::with_capacity(width as usize * height as usize);
+        for row in &rows {
+            for column in &columns {
+                let mut sum = Vec4::ZERO;
+                for (y, wy) in row {
+                    let line = &self.texels[*y as usize * self.width as usize..][..self.width as usize];
+                    for (x, wx) in column {
+                        sum += Vec4::from_array(line[*x as usize]) * (wx * wy);
+                    }
+                }
+                texels.push(sum.to_array());
+            }
+        }
+        Self { name: self.name.clone(), width, height, texels, ..*self }
+    }
+}
+
+/// For each of `to` even intervals of `from` texels: the texels it covers and their weights, which add up to 1.
+fn boxes(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
+    let step = f64::from(from) / f64::from(to);
+    (0..to)
+        .map(|i| {
+            let (low, high) = (f64::from(i) * step, f64::from(i + 1) * step);
+            let last = (high.ceil() as u32).min(from);
+            (low as u32..last)
+                .map(|x| {
+                    let covered = high.min(f64::from(x + 1)) - low.max(f64::from(x));
+                    (x, (covered / step).max(0.0) as f32)
+                })
+                .collect()
+        })
+        .collect()
+}

@@ -1,0 +1,289 @@
+//! From files and flags to a [`Scene`].
+//!
+//! What lies over what, from the top: flags of the command line, the scene file, its includes (a later one over an
+//! earlier one), the preset, the defaults. Tables are merged key by key; arrays and groom parameters as a whole.
+
+use super::{
+    Scene, check, overrides, preset, rules, schema,
+    tree::{Node, Sources, Value},
+};
+use crate::assets::Assets;
+use crate::{Error, Result, SceneFault};
+use serde::Deserialize;
+use serde_json::Value as Json;
+use std::path::{Path, PathBuf};
+
+/// No sensible scene includes more files than this; a chain that doubles at each step would.
+const MAX_FILES: usize = 64;
+
+/// A value set from the command line over what the scene file says.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Override {
+    /// What the user typed, for messages: `-D camera.fov=30` or `--spp 16`.
+    pub flag: String,
+    /// Dotted path: `camera.fov`, `lights.0.irradiance`.
+    pub path: String,
+    /// TOML value; anything that is no TOML value is taken as a string.
+    pub value: String,
+}
+
+impl Override {
+    /// An override from `key.path=value`, the argument of `-D`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] where `=` or the key is missing.
+    pub fn parse(argument: &str) -> Result<Self> {
+        let flag = format!("-D {argument}");
+        match argument.split_once('=') {
+            Some((path, value)) if !path.trim().is_empty() => {
+                Ok(Self { flag, path: path.trim().to_owned(), value: value.trim().to_owned() })
+            }
+            _ => Err(Error::fault(flag, "expected key.path=value, for example camera.fov=30")),
+        }
+    }
+}
+
+impl Scene {
+    /// Loads a scene file, the files it includes and its preset, sets `overrides` (`key.path=value`) over them and
+    /// looks whether every file that the scene names exists.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] with all faults of all files at once, each with its place.
+    pub fn load(path: &Path, overrides: &[String]) -> Result<(Self, Assets)> {
+        Self::load_with(path, &parse_all(overrides)?)
+    }
+
+    /// Like [`Scene::load`], with overrides that carry the flag they came from.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn load_with(path: &Path, overrides: &[Override]) -> Result<(Self, Assets)> {
+        let text = std::fs::read(path).map_err(|e| {
+            Error::fault(
+                path,
+                format!("cannot read the scene file: {e}; scenes to start from are in scenes/"),
+            )
+        })?;
+        let text = String::from_utf8(text).map_err(|e| {
+            let line =
+                e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
+            Error::fault_at(path, line, "not UTF-8 text: is this a scene file?")
+        })?;
+        let mut loader = Loader::default();
+        let (scene, tree, mut faults) = loader.scene(path, &text, overrides)?;
+        let mut assets = Assets::of_folder(folder_of(path));
+        for file in &loader.included {
+            let folder = folder_of(file).to_owned();
+            if !assets.folders.contains(&folder) {
+                assets.folders.insert(1, folder);
+            }
+        }
+        if !overrides.is_empty() {
+            // Who names a file on the command line names it from where they are.
+            assets.folders.push(PathBuf::from("."));
+        }
+        faults.extend(rules::missing_files(&tree, &loader.sources, &assets));
+        loader.finish(scene, faults).map(|scene| (scene, assets))
+    }
+
+    /// Parses the text of a scene file. `name` stands in messages, and includes are looked for beside it. Files that
+    /// the scene names are not looked for.
+    ///
+    /// # Errors
+    /// As [`Scene::load`].
+    pub fn parse(text: &str, name: &str, overrides: &[String]) -> Result<Self> {
+        let mut loader = Loader::default();
+        let (scene, _, faults) = loader.scene(Path::new(name), text, &parse_all(overrides)?)?;
+        loader.finish(scene, faults)
+    }
+}
+
+fn parse_all(overrides: &[String]) -> Result<Vec<Override>> {
+    let (mut parsed, mut faults) = (Vec::new(), Vec::new());
+    for argument in overrides {
+        match Override::parse(argument) {
+            Ok(o) => parsed.push(o),
+            Err(Error::Scene(f)) => faults.extend(f),
+            Err(other) => return Err(other),
+        }
+    }
+    if faults.is_empty() { Ok(parsed) } else { Err(Error::Scene(faults)) }
+}
+
+#[derive(Default)]
+struct Loader {
+    sources: Sources,
+    faults: Vec<SceneFault>,
+    /// Included files, in the order of reading.
+    included: Vec<PathBuf>,
+}
+
+impl Loader {
+    /// The scene as far as it is valid, its tree, and the faults found.
+    fn scene(
+        &mut self,
+        path: &Path,
+        text: &str,
+        overrides: &[Override],
+    ) -> Result<(Scene, Node, Vec<SceneFault>)> {
+        let Some(mut tree) = self.file(path, text, &mut Vec::new()) else {
+            return Err(Error::Scene(sorted(std::mem::take(&mut self.faults))));
+        };
+        // The preset is chosen first, so that other overrides can change single values of it.
+        let (chosen, others): (Vec<_>, Vec<_>) = overrides.iter().partition(|o| o.path == "preset");
+        for o in chosen {
+            self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
+        }
+        self.preset(&mut tree);
+        for o in others {
+            self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
+        }
+        let (tree, found) = check::check(&self.sources, tree);
+        let mut faults = std::mem::take(&mut self.faults);
+        let scene = Scene::deserialize(tree.to_toml())
+            .map_err(|e| Error::fault(path, format!("{}: the schema let this pass", e.message())))?;
+        faults.extend(rules::broken(&scene, &tree, &self.sources, &found));
+        faults.extend(found.into_iter().map(|(_, fault)| fault));
+        Ok((scene, tree, faults))
+    }
+
+    fn finish(&self, scene: Scene, faults: Vec<SceneFault>) -> Result<Scene> {
+        if faults.is_empty() { Ok(scene) } else { Err(Error::Scene(sorted(faults))) }
+    }
+
+    /// Parses a file and merges its includes under it. `None` where it is no TOML; the faults are kept.
+    fn file(&mut self, path: &Path, text: &str, stack: &mut Vec<PathBuf>) -> Option<Node> {
+        let mut tree = match self.sources.parse(path, text) {
+            Ok(tree) => tree,
+            Err(faults) => {
+                self.faults.extend(faults);
+                return None;
+            }
+        };
+        let Some(Value::Array(items)) = tree.get("include").map(|n| n.value.clone()) else {
+            return Some(tree);
+        };
+        if !items.iter().all(|i| matches!(i.value, Value::String(_))) {
+            return Some(tree); // The schema check names the wrong type.
+        }
+        if let Some(table) = tree.as_table_mut() {
+            table.remove("include");
+        }
+        stack.push(identity(path));
+        for item in items.iter().rev() {
+            if let Some(under) = self.include(path, item, stack) {
+                merge(&mut tree, under, schema::json_schema());
+            }
+        }
+        stack.pop();
+        Some(tree)
+    }
+
+    fn include(&mut self, from: &Path, item: &Node, stack: &mut Vec<PathBuf>) -> Option<Node> {
+        let Value::String(name) = &item.value else { return None };
+        let path = folder_of(from).join(name);
+        let fault = |message: String, help: Option<String>| self.sources.fault(&item.origin, message, help);
+        let id = identity(&path);
+        if let Some(start) = stack.iter().position(|file| *file == id) {
+            let chain: Vec<_> = stack[start..].iter().chain([&id]).map(|p| short(p)).collect();
+            let fault = fault(
+                format!("include cycle: {}", chain.join(" -> ")),
+                Some("remove one of these includes".into()),
+            );
+            self.faults.push(fault);
+            return None;
+        }
+        if self.included.len() >= MAX_FILES {
+            let fault = fault(format!("more than {MAX_FILES} included files"), None);
+            self.faults.push(fault);
+            return None;
+        }
+        match std::fs::read_to_string(&path) {
+            Ok(text) => {
+                self.included.push(path.clone());
+                self.file(&path, &text, stack)
+            }
+            Err(e) => {
+                let help = "includes are looked for relative to the file that names them".to_owned();
+                let fault = fault(format!("cannot include \"{name}\" ({}): {e}", path.display()), Some(help));
+                self.faults.push(fault);
+                None
+            }
+        }
+    }
+
+    fn preset(&mut self, tree: &mut Node) {
+        let Some(node) = tree.get("preset") else { return };
+        let Value::String(name) = &node.value else { return };
+        let Some(text) = preset::text(name) else {
+            let names: Vec<_> = preset::names().collect();
+            let help = match schema::nearest(name, names.iter().copied()) {
+                Some(near) => format!("did you mean \"{near}\"?"),
+                None => format!("there are {}", schema::list(&names)),
+            };
+            self.faults.push(self.sources.fault(
+                &node.origin,
+                format!("preset: no preset is called \"{name}\""),
+                Some(help),
+            ));
+            return;
+        };
+        match self.sources.parse(Path::new(&format!("presets/{name}.toml")), text) {
+            Ok(under) => merge(tree, under, schema::json_schema()),
+            Err(faults) => self.faults.extend(faults),
+        }
+    }
+}
+
+/// Puts what `under` has and `over` has not into `over`.
+fn merge(over: &mut Node, under: Node, schema: &'static Json) {
+    let schema = schema::resolve(schema);
+    if schema::kind(schema) != Some("object") {
+        return;
+    }
+    let (Some(table), Value::Table(below)) = (over.as_table_mut(), under.value) else { return };
+    // One of the two names the mesh: whichever stands higher hides the other.
+    let hides = |a: &str, b: &str, key: &str| key == b && table.contains_key(a) && is_mesh(schema);
+    let hidden: Vec<_> =
+        below.keys().filter(|k| hides("path", "shape", k) || hides("shape", "path", k)).cloned().collect();
+    for (key, entry) in below {
+        if hidden.contains(&key) {
+            continue;
+        }
+        match table.get_mut(&key) {
+            Some(own) => {
+                if let Some(inner) = schema::property(schema, &key) {
+                    merge(&mut own.node, entry.node, inner);
+                }
+            }
+            None => {
+                table.insert(key, entry);
+            }
+        }
+    }
+}
+
+fn is_mesh(schema: &'static Json) -> bool {
+    schema::property(schema, "path").is_some() && schema::property(schema, "shape").is_some()
+}
+
+/// By file, then line.
+fn sorted(mut faults: Vec<SceneFault>) -> Vec<SceneFault> {
+    faults.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
+    faults
+}
+
+fn folder_of(path: &Path) -> &Path {
+    match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    }
+}
+
+fn identity(path: &Path) -> PathBuf {
+    path.canonicalize().unwrap_or_else(|_| path.to_owned())
+}
+
+fn short(path: &Path) -> String {
+    path.file_name().unwrap_or(path.as_os_str()).to_string_lossy().into_owned()
+}

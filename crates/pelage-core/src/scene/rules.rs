@@ -1,0 +1,157 @@
+//! What a scene must hold beyond types and ranges: values that depend on each other, and files that must exist.
+
+use super::{
+    Background, Scalar, Scene, check,
+    tree::{Node, Sources, Value},
+};
+use crate::SceneFault;
+use crate::assets::Assets;
+use glam::Vec3;
+
+/// A broken rule: the keys it is about (the first gives the place), what is wrong, what to do.
+type Broken = (Vec<&'static str>, String, &'static str);
+
+/// The faults of values that do not go together. A rule is silent where a key that it is about, or a table on the way
+/// to it, already has a fault: `found` holds these with their paths.
+pub(super) fn broken(
+    scene: &Scene,
+    tree: &Node,
+    sources: &Sources,
+    found: &[(String, SceneFault)],
+) -> Vec<SceneFault> {
+    let top = |path: &str| path.split('.').next().unwrap_or_default().to_owned();
+    let known_bad: Vec<String> = found.iter().map(|(path, _)| top(path)).collect();
+    let mut faults: Vec<_> = relations(scene)
+        .into_iter()
+        .filter(|(paths, ..)| !paths.iter().any(|p| known_bad.contains(&top(p))))
+        .map(|(paths, message, help)| sources.fault(tree.origin_of(paths[0]), message, Some(help.to_owned())))
+        .collect();
+    for (i, light) in scene.lights.iter().enumerate() {
+        if Vec3::from(light.direction).length_squared() < 1e-12 {
+            let origin = tree.origin_of(&format!("lights.{i}.direction"));
+            let message = format!("lights.{i}.direction: must not be zero");
+            faults.push(sources.fault(origin, message, Some("it points from the scene to the light".into())));
+        }
+    }
+    faults
+}
+
+fn relations(scene: &Scene) -> Vec<Broken> {
+    let mut broken: Vec<Broken> = Vec::new();
+    let mut rule = |holds: bool, paths: &[&'static str], message: &str, help: &'static str| {
+        if !holds {
+            broken.push((paths.to_vec(), message.to_owned(), help));
+        }
+    };
+    let mesh = &scene.mesh;
+    rule(
+        mesh.path.is_some() || mesh.shape.is_some(),
+        &["mesh"],
+        "mesh: neither mesh.path nor mesh.shape is given",
+        "name an OBJ file (path = \"...\") or a built-in shape (shape = \"critter\")",
+    );
+    rule(
+        mesh.path.is_none() || mesh.shape.is_none(),
+        &["mesh.shape", "mesh.path"],
+        "mesh: both mesh.path and mesh.shape are given",
+        "keep one of them",
+    );
+    rule(mesh.path.as_deref() != Some(""), &["mesh.path"], "mesh.path: is empty", "name an OBJ file");
+    let camera = &scene.camera;
+    let view = Vec3::from(camera.target) - Vec3::from(camera.eye);
+    let up = Vec3::from(camera.up);
+    rule(
+        view.length() > 0.0,
+        &["camera.target", "camera.eye"],
+        "camera: eye and target are the same",
+        "move one",
+    );
+    rule(
+        view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
+        &["camera.up", "camera.eye", "camera.target"],
+        "camera: up is zero or parallel to the viewing direction",
+        "choose another up, e.g. [0, 0, 1]",
+    );
+    let film = &scene.film;
+    rule(
+        film.background != Background::Plate || !film.plate.is_empty(),
+        &["film.background", "film.plate"],
+        "film: background = \"plate\" but film.plate names no image",
+        "set film.plate to a PNG, HDR or EXR file",
+    );
+    rule(
+        film.background != Background::Environment || scene.environment.is_some(),
+        &["film.background", "environment"],
+        "film: background = \"environment\" but there is no [environment]",
+        "add an [environment] table",
+    );
+    rule(
+        u64::from(film.width) * u64::from(film.height) <= 1 << 29,
+        &["film.width", "film.height"],
+        "film: more than 536,870,912 pixels",
+        "render parts of it with --cropwindow at a smaller size",
+    );
+    let motion = &scene.animation.motion;
+    rule(
+        motion.amplitude == 0.0 || Vec3::from(motion.axis).length_squared() > 1e-12,
+        &["animation.motion.axis"],
+        "animation.motion.axis: must not be zero",
+        "it is the direction in which the object swings",
+    );
+    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
+    let groom: [(&[&'static str], &Scalar); 9] = [
+        (&["guard.density"], &guard.density),
+        (&["guard.length"], &guard.length),
+        (&["guard.thickness"], &guard.thickness),
+        (&["guard.comb"], &guard.comb),
+        (&["guard.clump"], &guard.clump),
+        (&["guard.curl"], &guard.curl),
+        (&["guard.frizz"], &guard.frizz),
+        (&["undercoat.density"], &undercoat.density),
+        (&["undercoat.height"], &undercoat.height),
+    ];
+    for (path, scalar) in groom {
+        rule(
+            scalar.max() >= 0.0,
+            path,
+            &format!("{}: value and offset make it negative everywhere", path[0]),
+            "the parameter is value * texel + offset with texels in 0..1",
+        );
+    }
+    broken
+}
+
+/// The files that the scene names and that are in none of the folders.
+pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> Vec<SceneFault> {
+    let mut named = Vec::new();
+    collect_files("", tree, &mut named);
+    let missing = named.into_iter().filter(|(_, _, name)| assets.find(name).is_err());
+    missing
+        .map(|(path, node, name)| {
+            let message = format!("{path}: the file \"{name}\" is not there");
+            sources.fault(&node.origin, message, Some(assets.advice()))
+        })
+        .collect()
+}
+
+/// Every string that names a file: the mesh, the plate, and whatever is called `map`.
+fn collect_files<'a>(path: &str, node: &'a Node, found: &mut Vec<(String, &'a Node, &'a str)>) {
+    match &node.value {
+        Value::Table(table) => {
+            table.iter().for_each(|(key, e)| collect_files(&check::join(path, key), &e.node, found));
+        }
+        Value::Array(items) => {
+            items
+                .iter()
+                .enumerate()
+                .for_each(|(i, n)| collect_files(&check::join(path, &i.to_string()), n, found));
+        }
+        Value::String(name) => {
+            let is_map = path.ends_with(".map") && name != "vertex_color";
+            if !name.is_empty() && (is_map || path == "mesh.path" || path == "film.plate") {
+                found.push((path.to_owned(), node, name));
+            }
+        }
+        _ => {}
+    }
+}

@@ -1,0 +1,32 @@
+//! The loaded scene: everything that the passes read, in world space and physical units.
+
+use crate::assets::Assets;
+use crate::light::Light;
+use crate::maps::MapSet;
+use crate::{Result, Scene, Skin};
+
+/// A scene with its assets.
+#[derive(Debug, Clone)]
+pub struct World {
+    /// The scene file's content.
+    pub scene: Scene,
+    /// The skin.
+    pub skin: Skin,
+    /// All lights, the environment's included.
+    pub lights: Vec<Light>,
+    /// The image maps that the groom names.
+    pub maps: MapSet,
+    /// The manifest of the textures that the scene names for its shells.
+    pub textures: Option<std::path::PathBuf>,
+}
+
+impl World {
+    /// Loads what `scene` names.
+    pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
+        let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
+        let lights = crate::light::lights_of(&scene, assets)?;
+        let maps = MapSet::load(&scene, assets)?;
+        let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;
+        Ok(Self { scene, skin, lights, maps, textures })
+    }
+}

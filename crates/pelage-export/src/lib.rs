@@ -1,0 +1,202 @@
+//! Scenes for other renderers: what is rendered, with every hair a strand, as Mitsuba 3, pbrt-v4, Blender (Cycles), OpenUSD and HAIR files.
+//!
+//! Lengths are cm in all of them. What a target cannot express stands as a comment at the head of the file that is opened; large arrays go
+//! to files beside it, written as they are computed. The head file comes last, so that it never names a file that is not there.
+
+mod blender;
+pub mod curves;
+mod deviations;
+mod hair;
+pub mod material;
+mod mitsuba;
+mod pbrt;
+mod ply;
+pub mod sky;
+mod usd;
+pub mod view;
+
+use glam::Vec3;
+use pelage_core::assets::Assets;
+use pelage_core::light::Light;
+use pelage_core::scene::Color;
+use pelage_core::{Error, Result, World, files, mesh};
+use pelage_pathtrace::strands::Strands;
+use schemars::JsonSchema;
+use serde::{Deserialize, Serialize};
+use sky::Sky;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+/// The program that a scene is written for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Target {
+    /// Mitsuba 3: scene.xml, B-spline curves as text, PLY, PFM.
+    Mitsuba,
+    /// pbrt-v4: scene.pbrt with included files, PLY, PFM.
+    Pbrt,
+    /// Blender 4 and later with Cycles: scene.py, HAIR, PLY, HDR map as EXR.
+    Blender,
+    /// OpenUSD in text form: scene.usda.
+    Usd,
+    /// Cem Yuksel's HAIR, a file a layer, and the skin as OBJ.
+    Hair,
+}
+
+impl Target {
+    /// The file to open.
+    pub fn head(self) -> &'static str {
+        match self {
+            Self::Mitsuba => "scene.xml",
+            Self::Pbrt => "scene.pbrt",
+            Self::Blender => "scene.py",
+            Self::Usd => "scene.usda",
+            Self::Hair => "skin.obj",
+        }
+    }
+}
+
+/// What the environment becomes.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum EnvironmentAs {
+    /// A map, or a uniform sky.
+    #[default]
+    Map,
+    /// The directional lights that this program makes of it.
+    Lights,
+}
+
+/// A file that was written.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Written {
+    /// The file.
+    pub path: PathBuf,
+    /// Its size.
+    pub bytes: u64,
+    /// What it holds, in words with counts; empty for the head file.
+    pub holds: String,
+}
+
+/// Everything that an exporter reads.
+pub(crate) struct Job<'a> {
+    pub world: &'a World,
+    pub strands: &'a [Strands],
+    pub sky: Option<Sky>,
+    /// The lights that the sky does not stand for.
+    pub lights: Vec<Light>,
+    pub view: view::View,
+    folder: &'a Path,
+    written: Vec<Written>,
+}
+
+/// Writes `world` with `strands` to `folder` for `target`; the folder is made where only it is missing.
+///
+/// # Errors
+/// [`Error::Io`] where the folder cannot be made or a file not written; [`Error::Scene`] for an environment map that cannot be read.
+pub fn write(
+    world: &World,
+    strands: &[Strands],
+    assets: &Assets,
+    target: Target,
+    environment: EnvironmentAs,
+    folder: &Path,
+) -> Result<Vec<Written>> {
+    check_folder(folder, target)?;
+    let sky = match (&world.scene.environment, environment) {
+        (Some(spec), EnvironmentAs::Map) => Some(Sky::load(spec, assets)?),
+        _ => None,
+    };
+    let lights = world.lights.iter().filter(|l| sky.is_none() || !l.environment).copied().collect();
+    let view = view::View::of(&world.scene);
+    let mut job = Job { world, strands, sky, lights, view, folder, written: Vec::new() };
+    let notes = deviations::of(&job, target);
+    match target {
+        Target::Mitsuba => mitsuba::write(&mut job, notes)?,
+        Target::Pbrt => pbrt::write(&mut job, notes)?,
+        Target::Blender => blender::write(&mut job, &notes)?,
+        Target::Usd => usd::write(&mut job, &notes)?,
+        Target::Hair => hair::write(&mut job)?,
+    }
+    Ok(job.written)
+}
+
+/// Makes the folder if its parent is there, and checks that the head file can be written; before the long work begins.
+///
+/// # Errors
+/// [`Error::Io`].
+pub fn check_folder(folder: &Path, target: Target) -> Result<()> {
+    if !folder.is_dir() {
+        std::fs::create_dir(folder)
+            .map_err(|e| Error::io(folder, format!("the folder cannot be made: {e}")))?;
+    }
+    files::check_target(&folder.join(target.head()))
+}
+
+impl Job<'_> {
+    /// Writes a file of the folder; `holds` says what is in it.
+    fn file<F>(&mut self, name: &str, holds: String, write: F) -> Result<()>
+    where
+        F: FnOnce(&Self, &mut dyn Write) -> io::Result<()>,
+    {
+        let path = self.folder.join(name);
+        files::write_buffered(&path, |out| Ok(write(self, out)?))?;
+        self.wrote(path, holds)
+    }
+
+    fn wrote(&mut self, path: PathBuf, holds: String) -> Result<()> {
+        let bytes = std::fs::metadata(&path).map_err(|e| Error::io(&path, e))?.len();
+        self.written.push(Written { path, bytes, holds });
+        Ok(())
+    }
+
+    /// The skin as OBJ.
+    fn obj(&mut self, name: &str) -> Result<()> {
+        let path = self.folder.join(name);
+        mesh::write_obj(&self.world.skin, &path)?;
+        self.wrote(path, self.skin_holds())
+    }
+
+    /// The skin in words.
+    fn skin_holds(&self) -> String {
+        format!("{} triangles", self.world.skin.triangles.len())
+    }
+
+    /// The first line of every file that has comments.
+    fn title() -> String {
+        format!(
+            "Written by pelage {}. Lengths in cm, colours linear RGB (sRGB primaries).",
+            env!("CARGO_PKG_VERSION")
+        )
+    }
+}
+
+/// Reflectance of the skin: one value, or one a vertex where a map or the vertex colours change it.
+pub fn skin_colors(world: &World) -> Vec<Vec3> {
+    let (skin, color) = (&world.skin, &world.scene.base.color);
+    let map = match color {
+        Color::Constant(c) => return vec![Vec3::from(*c)],
+        Color::Mapped(map) => map,
+    };
+    let value = Vec3::from(map.value);
+    let clamped = |c: Vec3| (c * value).clamp(Vec3::ZERO, Vec3::ONE);
+    if map.map == pelage_core::maps::VERTEX_COLOR {
+        return skin.colors.iter().map(|c| clamped(*c)).collect();
+    }
+    let Some(index) = world.maps.index_of(&map.map, true) else {
+        return vec![clamped(Vec3::ONE)];
+    };
+    let image = &world.maps.images[index];
+    let texel = |[r, g, b, _]: [f32; 4]| clamped(Vec3::new(r, g, b));
+    if skin.corner_uv.is_none() {
+        let at = |i: usize| texel(image.triplanar(skin.positions[i], skin.normals[i], 1.0));
+        return (0..skin.positions.len()).map(at).collect();
+    }
+    let uv = pelage_fur::surface::vertex_uv(skin);
+    uv.into_iter().map(|uv| texel(image.bilinear(uv.into()))).collect()
+}
+
+/// The mean of [`skin_colors`].
+fn mean(colors: &[Vec3]) -> Vec3 {
+    colors.iter().sum::<Vec3>() / colors.len().max(1) as f32
+}

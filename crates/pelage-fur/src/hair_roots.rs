@@ -1,0 +1,62 @@
+//! Twin of `shaders/hair_roots.wgsl`: hair roots after Van Gelder and Wilhelms 1997 with a density map.
+
+use crate::layout::Root;
+use crate::parameters::{Maps, Parameter, skin_point};
+use crate::random::{hash2, random};
+use crate::shell::Shell;
+use glam::{Vec2, Vec3};
+
+/// What draws the roots of a skin.
+#[derive(Clone, Copy)]
+pub struct Roots<'a> {
+    /// The skin.
+    pub shell: &'a Shell,
+    /// The groom.
+    pub maps: Maps<'a>,
+    /// Largest density, 1/cm2.
+    pub density: f32,
+    /// Seed of the rendering.
+    pub seed: u32,
+}
+
+impl Roots<'_> {
+    /// Expected number of candidates of a triangle: area times density.
+    pub fn expected(&self, prism: u32) -> f32 {
+        let place = self.shell.enter(prism);
+        0.5 * place.e1.cross(place.e2).length() * self.density
+    }
+
+    /// Candidates of a triangle before thinning: `expected` on average.
+    pub fn candidates(&self, prism: u32) -> u32 {
+        (self.expected(prism) + random(hash2(self.seed, prism), 0)) as u32
+    }
+
+    /// Barycentric coordinates of the k-th candidate.
+    pub fn candidate(&self, prism: u32, k: u32) -> Vec3 {
+        let seed = hash2(self.seed, prism);
+        let start = Vec2::new(random(seed, 1), random(seed, 2));
+        let u = start + k as f32 * Vec2::new(0.754_877_7, 0.569_840_3);
+        let u = u - u.floor();
+        let r = u.x.sqrt();
+        Vec3::new(1.0 - r, r * (1.0 - u.y), r * u.y)
+    }
+
+    /// Whether the density map lets the k-th candidate grow.
+    pub fn grows(&self, prism: u32, k: u32) -> bool {
+        let at = skin_point(self.shell, prism, self.candidate(prism, k));
+        let wanted = self.maps.scalar(Parameter::GuardDensity, &at);
+        random(hash2(self.seed, prism), 3 + k) * self.density < wanted
+    }
+
+    /// Roots of a triangle.
+    pub fn of(&self, prism: u32) -> Vec<Root> {
+        (0..self.candidates(prism))
+            .filter(|k| self.grows(prism, *k))
+            .map(|k| {
+                let lambda = self.candidate(prism, k);
+                let seed = hash2(hash2(self.seed, prism), 0x10000 + k);
+                Root { prism, seed, lambda: [lambda.y, lambda.z] }
+            })
+            .collect()
+    }
+}

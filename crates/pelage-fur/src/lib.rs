@@ -1,0 +1,21 @@
+//! The fur itself on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering, each stated once.
+
+pub mod camera;
+pub mod fibre;
+pub mod groom;
+pub mod guard_strands;
+pub mod hair_roots;
+pub mod layer;
+pub mod layout;
+pub mod octahedral;
+pub mod parameters;
+pub mod random;
+pub mod shell;
+pub mod shell_prisms;
+pub mod simplex;
+pub mod strands;
+pub mod surface;
+pub mod undercoat;
+pub mod view;
+
+pub use layer::Layer;

@@ -1,0 +1,123 @@
+//! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point of the skin.
+
+use crate::layout::Groom;
+use crate::shell::Shell;
+use glam::{Vec2, Vec3, Vec4};
+use half::f16;
+
+/// Numbers of the parameters in [`Groom::parameters`].
+#[allow(missing_docs)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Parameter {
+    GuardDensity,
+    GuardLength,
+    GuardThickness,
+    GuardComb,
+    GuardClump,
+    GuardCurl,
+    GuardFrizz,
+    GuardColorRoot,
+    GuardColorTip,
+    UndercoatDensity,
+    UndercoatHeight,
+    UndercoatColorRoot,
+    UndercoatColorTip,
+    BaseColor,
+    ShellColor,
+    ShellLength,
+}
+
+/// A point of the skin where parameters are read.
+#[derive(Debug, Clone, Copy)]
+pub struct SkinPoint {
+    /// cm.
+    pub position: Vec3,
+    /// Unit.
+    pub normal: Vec3,
+    /// Of the skin's parametrisation.
+    pub uv: Vec2,
+    /// Vertex colour.
+    pub color: Vec3,
+}
+
+/// Colour packed in eight bits a channel.
+pub fn unpack_color(word: u32) -> Vec3 {
+    Vec3::new((word & 255) as f32, ((word >> 8) & 255) as f32, ((word >> 16) & 255) as f32) / 255.0
+}
+
+/// The skin under a prism at barycentric coordinates.
+pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
+    let corners = shell.prisms[prism as usize].vertices.map(|v| shell.vertices[v as usize]);
+    let [a, b, c] = corners;
+    let mix = |f: [Vec3; 3]| lambda.x * f[0] + lambda.y * f[1] + lambda.z * f[2];
+    let uv = |k: u32| Vec2::from(shell.corner_uv[(3 * prism + k) as usize]);
+    SkinPoint {
+        position: mix([a.position.into(), b.position.into(), c.position.into()]),
+        normal: mix([a.normal.into(), b.normal.into(), c.normal.into()]).normalize(),
+        uv: lambda.x * uv(0) + lambda.y * uv(1) + lambda.z * uv(2),
+        color: mix(corners.map(|v| unpack_color(v.color))),
+    }
+}
+
+/// The groom and its maps.
+#[derive(Clone, Copy)]
+pub struct Maps<'a> {
+    /// Parameters.
+    pub groom: &'a Groom,
+    /// Four halves a texel.
+    pub texels: &'a [[u32; 2]],
+}
+
+impl Maps<'_> {
+    fn texel(&self, parameter: Parameter, x: i32, y: i32) -> Vec4 {
+        let p = &self.groom.parameters[parameter as usize];
+        let [width, height] = p.size.map(|s| s as i32);
+        let at = p.texel_base as usize + (y.rem_euclid(height) * width + x.rem_euclid(width)) as usize;
+        let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32());
+        let ([r, g], [b, a]) = (halves(self.texels[at][0]), halves(self.texels[at][1]));
+        Vec4::new(r, g, b, a)
+    }
+
+    /// Repeating bilinear lookup; v = 0 is the bottom row.
+    fn bilinear(&self, parameter: Parameter, uv: Vec2) -> Vec4 {
+        let p = &self.groom.parameters[parameter as usize];
+        let size = Vec2::new(p.size[0] as f32, p.size[1] as f32);
+        let fraction = uv - uv.floor();
+        let at = Vec2::new(fraction.x, 1.0 - fraction.y) * size - 0.5;
+        let base = at.floor();
+        let f = at - base;
+        let (x, y) = (base.x as i32, base.y as i32);
+        let row = |y| self.texel(parameter, x, y).lerp(self.texel(parameter, x + 1, y), f.x);
+        row(y).lerp(row(y + 1), f.y)
+    }
+
+    /// Three planar lookups, one repeat in 10 cm, weighted by the normal.
+    fn triplanar(&self, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
+        let n2 = normal * normal;
+        let w = n2 * n2 / n2.dot(n2);
+        let p = position / 10.0;
+        let plane = |a, b| self.bilinear(parameter, Vec2::new(a, b));
+        w.x * plane(p.y, p.z) + w.y * plane(p.x, p.z) + w.z * plane(p.x, p.y)
+    }
+
+    fn lookup(&self, parameter: Parameter, at: &SkinPoint) -> Vec4 {
+        match self.groom.parameters[parameter as usize].source {
+            1 => at.color.extend(1.0),
+            2 => self.bilinear(parameter, at.uv),
+            3 => self.triplanar(parameter, at.position, at.normal),
+            _ => Vec4::ONE,
+        }
+    }
+
+    /// A scalar parameter.
+    pub fn scalar(&self, parameter: Parameter, at: &SkinPoint) -> f32 {
+        let p = &self.groom.parameters[parameter as usize];
+        p.value[0] * self.lookup(parameter, at)[p.channel as usize] + p.offset
+    }
+
+    /// A colour parameter.
+    pub fn color(&self, parameter: Parameter, at: &SkinPoint) -> Vec3 {
+        let p = &self.groom.parameters[parameter as usize];
+        Vec4::from(p.value).truncate() * self.lookup(parameter, at).truncate()
+    }
+}

@@ -1,0 +1,173 @@
+//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: the undercoat's medium.
+
+use crate::fibre::table::MEAN_GLINT;
+use crate::fibre::{Angles, Fibre, Hit};
+use crate::layout::Fur;
+use crate::octahedral;
+use crate::random::{hash2, random, random_direction};
+use crate::shell::{Place, Shell, subelement, subelement_centroid};
+use crate::simplex::Field;
+use glam::{Vec2, Vec3};
+
+/// Density and tangent of a subelement.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Medium {
+    /// Relative to the skin's mean, 0..4.
+    pub density: f32,
+    /// Unit.
+    pub tangent: Vec3,
+}
+
+/// Largest density that is stored.
+pub const DENSITY_RANGE: f32 = 4.0;
+
+/// 12 bits of density, 10 bits a coordinate of the octahedral tangent.
+pub fn pack_medium(m: Medium) -> u32 {
+    let oct = (octahedral::encode(m.tangent) * 0.5 + 0.5) * 1023.0;
+    let density = ((m.density / DENSITY_RANGE).clamp(0.0, 1.0) * 4095.0).round_ties_even() as u32;
+    density | ((oct.x.round_ties_even() as u32) << 12) | ((oct.y.round_ties_even() as u32) << 22)
+}
+
+/// The inverse of [`pack_medium`].
+pub fn unpack_medium(word: u32) -> Medium {
+    let oct = Vec2::new(((word >> 12) & 1023) as f32, (word >> 22) as f32) / 1023.0;
+    Medium {
+        density: (word & 4095) as f32 / 4095.0 * DENSITY_RANGE,
+        tangent: octahedral::decode(oct * 2.0 - 1.0),
+    }
+}
+
+/// Sine of the angle between two unit vectors.
+pub fn sine(a: Vec3, b: Vec3) -> f32 {
+    let c = a.dot(b);
+    (1.0 - c * c).max(0.0).sqrt()
+}
+
+/// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
+pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
+    let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
+    fur.extinction * m.density * shown
+}
+
+/// Mean of a coat's colours at root and tip: light that comes out has been deep in it and high in it. Models of fibres that absorb
+/// have the root of the mean of the squared logarithms, which is the mean absorption.
+pub fn mean_color(coat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
+    if !matches!(coat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
+        return 0.5 * (a + b);
+    }
+    let log = |c: Vec3| c.max(Vec3::splat(1e-3)).map(f32::ln);
+    (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
+}
+
+/// Scattering of light from `l` to `v` (both leave the point) by a hair of colour `tint`; times the irradiance. Kajiya-Kay's is
+/// without the colour, see [`color`].
+pub fn scatter(coat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
+    let angles = Angles::around(tangent, l, v);
+    match coat {
+        Fibre::KajiyaKay(model) => Vec3::splat(model.scatter(&angles)),
+        _ => coat.scatter_far(&Hit { tint, glint_angle: MEAN_GLINT, h: 0.0 }, &angles),
+    }
+}
+
+/// Factor on what [`scatter`] gives.
+pub fn color(coat: &Fibre, tint: Vec3) -> Vec3 {
+    if matches!(coat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
+}
+
+/// Hermite interpolation between two edges, as in WGSL.
+fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
+    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
+    t * t * (3.0 - 2.0 * t)
+}
+
+/// The undercoat of a shell.
+#[derive(Clone, Copy)]
+pub struct Undercoat<'a> {
+    /// Parameters.
+    pub fur: &'a Fur,
+    /// The noise.
+    pub noise: Field,
+    /// The shell.
+    pub shell: &'a Shell,
+    /// The stored volume; where it is empty, media are evaluated.
+    pub cells: &'a [u32],
+}
+
+impl Undercoat<'_> {
+    fn field(&self, p: Vec3, frequency: f32) -> f32 {
+        if self.fur.noise_domain == 1 {
+            self.noise.simplex2(Vec2::new(p.x, p.y) * frequency)
+        } else {
+            self.noise.simplex3(p * frequency)
+        }
+    }
+
+    /// Locks of combed fur are longer than wide: the noise is stretched along the lean.
+    fn combed(&self, p: Vec3) -> Vec3 {
+        let lean = Vec3::from(self.fur.lean);
+        p - lean * (lean.dot(p) * 0.65 / lean.dot(lean).max(1e-12))
+    }
+
+    /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
+    pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
+        let fur = self.fur;
+        let lean = Vec3::from(fur.lean) * (fur.height * t);
+        let combed = self.combed(jittered - lean);
+        let locks = self.field(combed * 2.6 + 5.1, fur.noise_frequency);
+        let clumps = self.field(combed, fur.noise_frequency);
+        let swells = self.field(p - lean + 17.3, fur.height_frequency);
+        // Hairs end at their own heights, which makes cones of the clumps.
+        let top = 1.0 - fur.height_variation * (0.5 + 0.3 * swells + 0.2 * locks);
+        let alive = 1.0 - smoothstep(top - 0.25, top + 0.02, t);
+        let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks);
+        let taper = 1.0 + (fur.diameter_ratio - 1.0) * t;
+        clump.max(0.0) * alive * taper
+    }
+
+    /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
+    pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
+        let fur = self.fur;
+        let h = hash2(id, fur.seed);
+        let growth = t.powf(fur.jitter_exponent);
+        let offset = 2.0 * Vec3::new(random(h, 0), random(h, 1), random(h, 2)) - 1.0;
+        let jittered = p + fur.uv_jitter * growth * offset;
+        let turn = fur.tangent_jitter * growth * random_direction(h, 3);
+        Medium {
+            density: self.clump_density(p, jittered, t),
+            tangent: (normal + Vec3::from(fur.lean) * t + turn).normalize(),
+        }
+    }
+
+    /// Point of the noise's domain below barycentric coordinates of the place's prism: on the skin, cm, or uv.
+    pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
+        if self.fur.noise_domain == 1 {
+            let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
+            (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
+        } else {
+            place.point(0.0, l)
+        }
+    }
+
+    /// Medium of the subelement `id` of `layer` in the place's prism, evaluated.
+    pub fn subelement(&self, place: &Place, layer: u32, id: u32) -> Medium {
+        let l = subelement_centroid(id, place.subdivision);
+        let t = (layer as f32 + 0.5) / self.fur.layers as f32;
+        let normal = place.extrusion(l).normalize();
+        let id = hash2(place.prism, (layer << 16) | id);
+        let medium = self.evaluate(self.domain_point(place, l), normal, t, id);
+        Medium { density: medium.density * place.crowding(t, medium.tangent), ..medium }
+    }
+
+    /// Medium at a place: of its subelement.
+    pub fn at(&self, place: &Place) -> Medium {
+        let layers = self.fur.layers;
+        let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
+        let id = subelement(place.lambda, place.subdivision);
+        if self.cells.is_empty() {
+            // As it would be stored, so that the image does not depend on it.
+            unpack_medium(pack_medium(self.subelement(place, layer, id)))
+        } else {
+            unpack_medium(self.cells[place.volume_index(layer, id) as usize])
+        }
+    }
+}

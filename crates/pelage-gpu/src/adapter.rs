@@ -1,0 +1,124 @@
+//! Choice of the adapter and of its limits, with readable refusals.
+
+use pelage_core::{Error, Result};
+
+/// What `pelage devices` shows of an adapter.
+#[derive(Debug, Clone, serde::Serialize)]
+pub struct AdapterSummary {
+    /// Name.
+    pub name: String,
+    /// Vulkan, Metal, ...
+    pub backend: String,
+    /// Driver and version.
+    pub driver: String,
+    /// Cpu, DiscreteGpu, ...
+    pub device_type: String,
+    /// Largest storage binding, bytes.
+    pub binding_bytes: u64,
+    /// Whether passes can be timed.
+    pub timestamps: bool,
+    /// `None` if pelage runs on it, else what it lacks.
+    pub lacks: Option<String>,
+}
+
+/// What to do without an adapter.
+/// What to do without an adapter.
+pub const HELP: &str = "install a Vulkan driver; without a GPU, Mesa's software adapter will do \
+                    (Debian and Ubuntu: mesa-vulkan-drivers, Fedora: mesa-vulkan-drivers, Arch: vulkan-swrast)";
+
+fn instance() -> wgpu::Instance {
+    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+}
+
+fn all(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
+    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
+    pollster::block_on(instance.enumerate_adapters(backends))
+}
+
+fn driver(info: &wgpu::AdapterInfo) -> String {
+    format!("{} {}", info.driver, info.driver_info).trim().to_owned()
+}
+
+/// All adapters that answer.
+pub fn list_adapters() -> Vec<AdapterSummary> {
+    all(&instance())
+        .iter()
+        .map(|adapter| {
+            let info = adapter.get_info();
+            AdapterSummary {
+                driver: driver(&info),
+                backend: format!("{:?}", info.backend),
+                device_type: format!("{:?}", info.device_type),
+                binding_bytes: adapter.limits().max_storage_buffer_binding_size,
+                timestamps: adapter.features().contains(wgpu::Features::TIMESTAMP_QUERY),
+                lacks: limits_for(adapter).err().map(|e| e.to_string()),
+                name: info.name,
+            }
+        })
+        .collect()
+}
+
+/// Chooses by WGPU_ADAPTER_NAME if set, else by WGPU_POWER_PREF, preferring real GPUs.
+pub(super) fn select() -> Result<wgpu::Adapter> {
+    let adapters = all(&instance());
+    if adapters.is_empty() {
+        return Err(Error::Adapter(format!("no GPU adapter answers; {HELP}")));
+    }
+    if let Some(wanted) = std::env::var("WGPU_ADAPTER_NAME").ok().filter(|name| !name.is_empty()) {
+        let names: Vec<String> = adapters.iter().map(|a| a.get_info().name).collect();
+        return adapters
+            .into_iter()
+            .find(|a| a.get_info().name.to_lowercase().contains(&wanted.to_lowercase()))
+            .ok_or_else(|| {
+                Error::Adapter(format!(
+                    "WGPU_ADAPTER_NAME={wanted} matches no adapter; there are: {}",
+                    names.join(", ")
+                ))
+            });
+    }
+    let low_power = std::env::var("WGPU_POWER_PREF").is_ok_and(|p| p.eq_ignore_ascii_case("low"));
+    let rank = |adapter: &wgpu::Adapter| match adapter.get_info().device_type {
+        wgpu::DeviceType::DiscreteGpu => u32::from(low_power),
+        wgpu::DeviceType::IntegratedGpu => u32::from(!low_power),
+        wgpu::DeviceType::VirtualGpu => 2,
+        wgpu::DeviceType::Cpu => 3,
+        wgpu::DeviceType::Other => 4,
+    };
+    let lacking: Vec<String> =
+        adapters.iter().filter_map(|a| limits_for(a).err()).map(|e| e.to_string()).collect();
+    adapters
+        .into_iter()
+        .filter(|a| limits_for(a).is_ok())
+        .min_by_key(rank)
+        .ok_or_else(|| Error::Adapter(format!("no adapter is sufficient: {}; {HELP}", lacking.join("; "))))
+}
+
+/// The limits that are asked for: WebGPU's defaults, with everything that bounds sizes raised to what the adapter has.
+pub(super) fn limits_for(adapter: &wgpu::Adapter) -> Result<wgpu::Limits> {
+    let has = adapter.limits();
+    let needs = wgpu::Limits::default();
+    let checks = [
+        (
+            "storage buffers a shader stage",
+            u64::from(needs.max_storage_buffers_per_shader_stage),
+            u64::from(has.max_storage_buffers_per_shader_stage),
+        ),
+        ("bytes of a storage binding", 128 << 20, has.max_storage_buffer_binding_size),
+        ("invocations a workgroup", 64, u64::from(has.max_compute_invocations_per_workgroup)),
+        ("workgroups a dimension", 65_535, u64::from(has.max_compute_workgroups_per_dimension)),
+        ("pixels of a texture's edge", 4096, u64::from(has.max_texture_dimension_2d)),
+    ];
+    let lacks: Vec<String> = checks
+        .iter()
+        .filter(|(_, needed, available)| available < needed)
+        .map(|(what, needed, available)| format!("{what}: needs {needed}, has {available}"))
+        .collect();
+    if !lacks.is_empty() {
+        return Err(Error::Adapter(format!("{}: {}", adapter.get_info().name, lacks.join(", "))));
+    }
+    Ok(wgpu::Limits {
+        max_storage_buffer_binding_size: has.max_storage_buffer_binding_size,
+        max_buffer_size: has.max_buffer_size,
+        ..needs
+    })
+}

@@ -1,0 +1,215 @@
+//! Strands from a world, without a GPU: the guard hairs that the renderer draws, and the undercoat's volume realised as hairs.
+
+use super::guard;
+use super::strands::{Hair, Strands};
+use super::undercoat::Grower;
+use glam::{Vec3, Vec4};
+use pelage_core::{Error, Result, World};
+use pelage_fur::groom;
+use pelage_fur::groom::PackedGroom;
+use pelage_fur::shell::Shell;
+use pelage_fur::shell_prisms::shell_of;
+
+/// A ball that chooses hairs by their roots.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Patch {
+    /// World space, cm.
+    pub centre: Vec3,
+    /// cm.
+    pub radius: f32,
+}
+
+impl Patch {
+    /// Whether a root at `p` (cm) lies in the patch.
+    pub fn holds(&self, p: Vec3) -> bool {
+        p.distance_squared(self.centre) <= self.radius * self.radius
+    }
+
+    /// Whether a triangle may hold roots in the patch: false only where it surely does not.
+    pub(super) fn reaches(&self, shell: &Shell, prism: u32) -> bool {
+        let corners = corners(shell, prism);
+        let low = corners.into_iter().reduce(Vec3::min).unwrap_or_default();
+        let high = corners.into_iter().reduce(Vec3::max).unwrap_or_default();
+        // Roots are rounded.
+        let margin = 1e-5 * (1.0 + low.abs().max(high.abs()).max_element());
+        let nearest = self.centre.clamp(low, high);
+        nearest.distance(self.centre) <= self.radius + margin
+    }
+
+    /// Part of a triangle's area that lies in the patch, from 256 even points where the border crosses it.
+    fn share(&self, shell: &Shell, prism: u32) -> f64 {
+        const POINTS: u32 = 256;
+        if !self.reaches(shell, prism) {
+            return 0.0;
+        }
+        let [a, b, c] = corners(shell, prism);
+        if [a, b, c].into_iter().all(|p| self.holds(p)) {
+            return 1.0;
+        }
+        let held = (0..POINTS).filter(|k| {
+            let lambda = even_lambda(*k);
+            self.holds(lambda.x * a + lambda.y * b + lambda.z * c)
+        });
+        held.count() as f64 / f64::from(POINTS)
+    }
+}
+
+/// Corners of the triangle below a prism, cm.
+fn corners(shell: &Shell, prism: u32) -> [Vec3; 3] {
+    shell.prisms[prism as usize].vertices.map(|v| shell.vertices[v as usize].position.into())
+}
+
+/// The k-th of evenly strewn barycentric coordinates.
+fn even_lambda(k: u32) -> Vec3 {
+    let u = [0.754_877_67, 0.569_840_3].map(|step: f64| ((f64::from(k) + 0.5) * step).fract() as f32);
+    let r = u[0].sqrt();
+    Vec3::new(1.0 - r, r * (1.0 - u[1]), r * u[1])
+}
+
+/// What to grow.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GrowOptions {
+    /// Only hairs with their roots in here; none: all.
+    pub patch: Option<Patch>,
+    /// Segments of an undercoat hair, 1..=64. Guard hairs have the scene's.
+    pub undercoat_segments: u32,
+}
+
+impl Default for GrowOptions {
+    fn default() -> Self {
+        Self { patch: None, undercoat_segments: 10 }
+    }
+}
+
+impl GrowOptions {
+    fn check(&self) -> Result<()> {
+        if !(1..=64).contains(&self.undercoat_segments) {
+            return Err(Error::Usage(format!(
+                "found {} segments for an undercoat hair, expected 1 to 64",
+                self.undercoat_segments
+            )));
+        }
+        match self.patch {
+            Some(p) if !(p.centre.is_finite() && p.radius.is_finite() && p.radius > 0.0) => {
+                Err(Error::Usage(format!(
+                    "found a patch of radius {} cm at {}, expected finite numbers and a radius above 0",
+                    p.radius, p.centre
+                )))
+            }
+            _ => Ok(()),
+        }
+    }
+}
+
+/// How much [`grow`] will make, within some per cent.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Estimate {
+    /// Guard hairs; where a map thins them out, fewer.
+    pub guard_hairs: u64,
+    /// Undercoat hairs of which any segment is there.
+    pub undercoat_hairs: u64,
+    /// Segments of all hairs, those left out included.
+    pub segments: u64,
+    /// Bytes of the points and hairs. While they are grown, up to twice as much is in use.
+    pub bytes: u64,
+}
+
+impl Estimate {
+    /// Adds `hairs` of `segments` each.
+    fn add(&mut self, hairs: u64, segments: u64) {
+        let each = (segments + 1) * size_of::<Vec4>() as u64 + size_of::<Hair>() as u64;
+        self.segments = self.segments.saturating_add(hairs.saturating_mul(segments));
+        self.bytes = self.bytes.saturating_add(hairs.saturating_mul(each));
+    }
+
+    /// Refuses what takes more than `budget` bytes.
+    ///
+    /// # Errors
+    /// [`Error::Usage`] with the numbers and what to do.
+    pub fn check(&self, budget: u64) -> Result<()> {
+        if self.bytes <= budget {
+            return Ok(());
+        }
+        let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+        Err(Error::Usage(format!(
+            "found {} guard hairs and {} undercoat hairs, which take about {:.2} GiB as strands, expected at most {:.2} GiB: \
+             choose a patch, lower guard.density or undercoat.density, or allow more memory",
+            self.guard_hairs,
+            self.undercoat_hairs,
+            gib(self.bytes),
+            gib(budget)
+        )))
+    }
+}
+
+/// What [`grow`] would make, in a time that does not depend on the number of hairs: from areas, densities and a sample of the hairs.
+///
+/// # Errors
+/// [`Error::Usage`] for options out of range; as [`groom::pack`].
+pub fn estimate(world: &World, options: &GrowOptions) -> Result<Estimate> {
+    options.check()?;
+    let packed = groom::pack(world)?;
+    let shell = shell_of(world, &packed);
+    let areas: Vec<f64> = (0..shell.prisms.len() as u32)
+        .map(|prism| {
+            let area = f64::from(world.skin.triangle_area(prism as usize));
+            area * options.patch.map_or(1.0, |p| p.share(&shell, prism))
+        })
+        .collect();
+    let area: f64 = areas.iter().sum();
+    let mut estimate = Estimate::default();
+    if groom::has_guard(&world.scene) {
+        estimate.guard_hairs = (area * f64::from(world.scene.guard.density.max())).ceil() as u64;
+        estimate.add(estimate.guard_hairs, u64::from(packed.groom.segments));
+    }
+    if groom::has_undercoat(&world.scene) {
+        let grower = grower(world, &packed, &shell, options);
+        let hairs = area * grower.most() * survivors(&grower, &areas, area);
+        estimate.undercoat_hairs = hairs.ceil() as u64;
+        estimate.add(estimate.undercoat_hairs, u64::from(options.undercoat_segments));
+    }
+    Ok(estimate)
+}
+
+/// Part of the undercoat's candidates that grow, from a sample by area.
+fn survivors(grower: &Grower<'_>, areas: &[f64], area: f64) -> f64 {
+    const SAMPLE: u32 = 2048;
+    if area <= 0.0 {
+        return 0.0;
+    }
+    let (mut prism, mut passed) = (0, 0.0);
+    let mut grown = 0;
+    for k in 0..SAMPLE {
+        let wanted = (f64::from(k) + 0.5) / f64::from(SAMPLE) * area;
+        while prism + 1 < areas.len() && passed + areas[prism] < wanted {
+            passed += areas[prism];
+            prism += 1;
+        }
+        let mut points = Vec::new();
+        grown += u32::from(grower.hair_at(prism as u32, even_lambda(k), k, &mut points).is_some());
+    }
+    f64::from(grown) / f64::from(SAMPLE)
+}
+
+fn grower<'a>(world: &World, packed: &'a PackedGroom, shell: &'a Shell, options: &GrowOptions) -> Grower<'a> {
+    Grower::new(world, packed, shell, options.undercoat_segments, options.patch)
+}
+
+/// Grows the hairs of every layer that the scene renders: guard hairs, then undercoat. The same bytes whatever the number of threads.
+///
+/// # Errors
+/// [`Error::Usage`] for options out of range; as [`groom::pack`].
+pub fn grow(world: &World, options: &GrowOptions) -> Result<Vec<Strands>> {
+    options.check()?;
+    let packed = groom::pack(world)?;
+    let shell = shell_of(world, &packed);
+    let mut layers = Vec::new();
+    if groom::has_guard(&world.scene) {
+        let (density, seed) = (world.scene.guard.density.max(), world.scene.render.seed);
+        layers.push(guard::grow(&shell, &packed, density, seed, options.patch.as_ref()));
+    }
+    if groom::has_undercoat(&world.scene) {
+        layers.push(grower(world, &packed, &shell, options).grow());
+    }
+    Ok(layers)
+}

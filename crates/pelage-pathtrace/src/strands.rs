@@ -1,0 +1,63 @@
+//! Hairs as the path tracer sees them.
+
+use glam::{Vec3, Vec4};
+use pelage_fur::Layer;
+
+/// All hairs of one layer, flat: `segments + 1` points each.
+#[derive(Debug, Clone)]
+pub struct Strands {
+    /// The layer.
+    pub layer: Layer,
+    /// Segments a strand.
+    pub segments: usize,
+    /// World space, cm, and the radius, cm. Root first, strand after strand.
+    pub points: Vec<Vec4>,
+    /// One a strand.
+    pub hairs: Vec<Hair>,
+    /// Opacity at each point of a strand, the same for all strands; empty: opaque.
+    pub opacity: Vec<f32>,
+    /// Where between root and tip the colour changes from the one to the other, and over what part of the length, as
+    /// [`pelage_core::scene::Guard::color_transition`]. That of the undercoat changes evenly from root to tip.
+    pub color_transition: [f32; 2],
+}
+
+/// What is constant along a hair.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Hair {
+    /// Colour at the root, linear RGB.
+    pub color_root: Vec3,
+    /// Colour at the tip, linear RGB.
+    pub color_tip: Vec3,
+    /// Azimuth of the glints, radians.
+    pub glint_angle: f32,
+    /// Bit k: segment k is there. Where the undercoat's density ends, its hairs do.
+    pub present: u64,
+}
+
+impl Strands {
+    /// Opaque strands of parts that were grown apart, in their order.
+    pub(super) fn joined(layer: Layer, segments: usize, parts: Vec<(Vec<Vec4>, Vec<Hair>)>) -> Self {
+        let count = parts.iter().map(|(_, hairs)| hairs.len()).sum();
+        let mut points = Vec::with_capacity(count * (segments + 1));
+        let mut hairs = Vec::with_capacity(count);
+        for (of_points, of_hairs) in parts {
+            points.extend(of_points);
+            hairs.extend(of_hairs);
+        }
+        Self { layer, segments, points, hairs, opacity: Vec::new(), color_transition: [0.5, 1.0] }
+    }
+
+    /// Colour of hair `i` at `s` (0 root, 1 tip), linear RGB in 0..1.
+    pub fn color(&self, i: usize, s: f32) -> Vec3 {
+        let hair = &self.hairs[i];
+        let u = match self.layer {
+            Layer::Undercoat => s,
+            Layer::Guard => {
+                let [middle, width] = self.color_transition;
+                let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
+                u * u * (3.0 - 2.0 * u)
+            }
+        };
+        hair.color_root.lerp(hair.color_tip, u).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+}

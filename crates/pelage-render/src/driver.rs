@@ -1,0 +1,254 @@
+//! Rendering a [`World`] to a [`Film`]: what is done so far, across the loss of a device.
+
+use crate::passes;
+use crate::plan::SamplePlan;
+use crate::prepare::Prepared;
+use crate::tile;
+use glam::Vec2;
+use pelage_core::film::Film;
+use pelage_core::scene::Blend;
+use pelage_core::stats::{PassTime, Stats, Step};
+use pelage_core::{Error, Result, Scene, World};
+use pelage_fur::camera;
+use pelage_gpu::Gpu;
+use pelage_gpu::recorder::Timings;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Instant;
+
+/// What a rendering needs beside the world.
+#[derive(Default)]
+pub struct RenderOptions<'a> {
+    /// Part of the film that is rendered, x0 x1 y0 y1 in 0..1; the rest stays empty.
+    pub crop: Option<[f32; 4]>,
+    /// Keep all planes, not only `R G B A`.
+    pub aovs: bool,
+    /// Called after each chunk of work.
+    pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
+    /// Seconds since the animation's first frame: forces bend shells and fins as they do then. 0: at rest.
+    pub time: f64,
+    /// When it becomes true, rendering stops after the current chunk and returns what there is.
+    pub cancel: Option<&'a AtomicBool>,
+}
+
+/// How far a rendering is.
+#[derive(Debug, Clone, Copy)]
+pub struct Progress {
+    /// Part of the work that is done, 0..1.
+    pub done: f32,
+    /// What is going on, a pass stem.
+    pub stage: &'static str,
+}
+
+/// A finished (or interrupted) rendering.
+#[derive(Debug, Clone)]
+pub struct Frame {
+    /// The image: fur and skin over nothing, premultiplied.
+    pub film: Film,
+    /// Counts, times, bytes.
+    pub stats: Stats,
+    /// False if `cancel` or a `fault` ended it early: then some tiles are empty.
+    pub complete: bool,
+    /// The device was lost, and lost again when it had been opened anew; the film holds the tiles done before.
+    pub fault: Option<Error>,
+}
+
+/// A rendering in progress: what survives the loss of a device.
+pub struct Rendering {
+    started: Instant,
+    /// The tiles that are done.
+    pub film: Film,
+    /// Times of the passes so far.
+    pub timings: Timings,
+    /// Counts so far.
+    pub stats: Stats,
+    /// Tiles done.
+    pub done: usize,
+    /// Tiles in all; they are the same on a device with the same limits.
+    total: usize,
+}
+
+/// Renders the tiles that are not done yet; false if it was cancelled.
+pub type Run = dyn Fn(&mut Rendering, &Gpu, &World, &RenderOptions<'_>) -> Result<bool>;
+
+impl RenderOptions<'_> {
+    /// Planes that the film pass writes.
+    pub fn planes(&self) -> u32 {
+        if self.aovs { 20 } else { 4 }
+    }
+
+    /// Reports how far the rendering is, 0..1, and what it does.
+    pub fn report(&self, done: f32, stage: &'static str) {
+        if let Some(progress) = self.progress {
+            progress(Progress { done, stage });
+        }
+    }
+
+    /// Whether the caller wants the rendering to stop.
+    pub fn cancelled(&self) -> bool {
+        self.cancel.is_some_and(|c| c.load(Ordering::Relaxed))
+    }
+}
+
+/// Renders `world` by `run` on a device that `open` opens.
+///
+/// A device that is lost is opened again once, and the rendering goes on with the tile that was lost. If that fails
+/// too, the frame holds the tiles that are done, and the fault.
+///
+/// # Errors
+/// [`Error::DeviceLost`] before the first tile is done, and those of `open` and `run`.
+pub fn drive(
+    open: &dyn Fn() -> Result<Gpu>,
+    world: &World,
+    options: &RenderOptions<'_>,
+    run: &Run,
+) -> Result<Frame> {
+    let mut rendering = Rendering::new(world, options);
+    let mut outcome = run(&mut rendering, &open()?, world, options);
+    if let Err(Error::DeviceLost { during, reason }) = &outcome {
+        tracing::warn!("the GPU device was lost during {during} ({reason}); it is opened again");
+        // Where it does not open, the first loss is what is reported.
+        if let Ok(gpu) = open() {
+            outcome = run(&mut rendering, &gpu, world, options);
+        }
+    }
+    rendering.end(outcome)
+}
+
+/// Renders `world` by `run` on an open device; if it is lost, the frame holds the tiles that are done, and the fault.
+///
+/// # Errors
+/// As [`drive`].
+pub fn drive_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>, run: &Run) -> Result<Frame> {
+    let mut rendering = Rendering::new(world, options);
+    let outcome = run(&mut rendering, gpu, world, options);
+    rendering.end(outcome)
+}
+
+/// Renders hybrid fur: the [`Run`] of every `render.fur` but `shells`.
+///
+/// # Errors
+/// [`Error::OutOfMemory`] if even the smallest tile does not fit, [`Error::DeviceLost`], [`Error::Gpu`].
+pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
+    rendering.run_hybrid(gpu, world, options)
+}
+
+impl Rendering {
+    fn new(world: &World, options: &RenderOptions<'_>) -> Self {
+        let film = &world.scene.film;
+        Self {
+            started: Instant::now(),
+            film: tile::blank_film(film.width, film.height, options.aovs),
+            timings: Timings::default(),
+            stats: Stats::default(),
+            done: 0,
+            total: 0,
+        }
+    }
+
+    fn run_hybrid(&mut self, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
+        let scene = &world.scene;
+        let plan = SamplePlan::new(scene);
+        options.report(0.0, "shell_prisms");
+        let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
+        let prepared = Prepared::new(gpu, world, &view, &mut self.timings)?;
+        let mut tiles = tile::Tiles::new(&prepared, world, &plan, options)?;
+        let jobs = tiles.jobs(options.crop);
+        tiles.bin(&jobs, &mut self.timings)?;
+        if self.total != jobs.len() {
+            // The first device, or another one with other limits: from the start.
+            (self.done, self.total, self.stats) = (0, jobs.len(), first_stats(gpu, scene, &prepared));
+        }
+        tiles.stats = self.stats.clone();
+        let mut complete = true;
+        while let Some(job) = jobs.get(self.done) {
+            if options.cancelled() {
+                complete = false;
+                break;
+            }
+            options.report(self.done as f32 / self.total as f32, "resolve");
+            match tiles.render(job, &mut self.film, &mut self.timings) {
+                // A tile that is interrupted between its passes over the image is left out.
+                Err(Error::Interrupted) => {
+                    complete = false;
+                    break;
+                }
+                outcome => outcome?,
+            }
+            self.done += 1;
+            self.stats = tiles.stats.clone();
+        }
+        options.report(1.0, "film");
+        self.finish_stats(gpu);
+        Ok(complete)
+    }
+
+    /// Ends the statistics with what the device counted.
+    pub fn finish_stats(&mut self, gpu: &Gpu) {
+        fill_stats(&mut self.stats, gpu, &self.timings);
+    }
+
+    /// The frame, also of a rendering that lost its device after some tiles.
+    fn end(mut self, outcome: Result<bool>) -> Result<Frame> {
+        let (complete, fault) = match outcome {
+            Ok(complete) => (complete, None),
+            Err(fault @ Error::DeviceLost { .. }) if self.done > 0 => (false, Some(fault)),
+            Err(other) => return Err(other),
+        };
+        self.stats.total_ms = self.started.elapsed().as_secs_f64() * 1e3;
+        Ok(Frame { film: self.film, stats: self.stats, complete, fault })
+    }
+}
+
+/// What is known before the first tile is done.
+fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
+    Stats {
+        triangles: u64::from(prepared.triangles),
+        strands: prepared.strands,
+        subelements: prepared.subelements,
+        storage: if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() },
+        ..known_stats(gpu, scene)
+    }
+}
+
+/// What the device and the scene tell.
+pub fn known_stats(gpu: &Gpu, scene: &Scene) -> Stats {
+    Stats {
+        adapter: gpu.info.name.clone(),
+        driver: format!("{} {}", gpu.info.driver, gpu.info.driver_info).trim().to_owned(),
+        width: scene.film.width,
+        height: scene.film.height,
+        spp: scene.film.spp,
+        fur: format!("{:?}", scene.render.fur).to_lowercase(),
+        blend: format!("{:?}", scene.render.blend).to_lowercase(),
+        memory_budget_bytes: scene.render.memory,
+        ..Stats::default()
+    }
+}
+
+/// Times and bytes of the passes.
+fn fill_stats(stats: &mut Stats, gpu: &Gpu, timings: &Timings) {
+    stats.gpu_peak_bytes = gpu.ledger.peak();
+    let mut steps: Vec<Step> = passes::STEP_NAMES
+        .iter()
+        .enumerate()
+        .map(|(i, name)| Step {
+            step: i as u32 + 1,
+            name: (*name).into(),
+            ms: gpu.timestamps.then_some(0.0),
+            bytes: gpu.ledger.peak_of_step(i as u32 + 1),
+        })
+        .collect();
+    for label in &timings.order {
+        let (ms, dispatches) = timings.passes[label];
+        let stem = label.split('.').next().unwrap_or(label);
+        let step = &mut steps[passes::step_of(stem) as usize - 1];
+        step.ms = step.ms.zip(ms).map(|(a, b)| a + b);
+        stats.passes.push(PassTime { pass: label.clone(), ms, dispatches });
+    }
+    stats.steps = steps;
+}
+
+/// Whether the undercoat is marched while resolving.
+pub fn marches_in_resolve(blend: Blend) -> bool {
+    blend == Blend::Exact
+}

@@ -1,0 +1,189 @@
+//! The passes, one file a stem: Rust record, WGSL shader, CPU twin and test carry the same name.
+//!
+//! | step of the paper | passes |
+//! |---|---|
+//! | 1 roots and shell | [`edge_table`], [`shell_prisms`], [`hair_roots`] |
+//! | 2 volume data and its light | [`undercoat_density`], [`shell_lattice`], [`guard_splat`], [`light_occlusion`], [`undercoat_light`], [`undercoat_source`] |
+//! | 3 strands | [`guard_strands`], [`guard_shade`] |
+//! | 4 base mesh | [`base_raster`] |
+//! | 5 shell | [`shell_entry`], [`undercoat_march`] |
+//! | 6 strands | [`guard_bins`], [`guard_raster`] |
+//! | 7 blending | [`resolve`], [`film`] |
+//! | shells and fins | [`shellfin_rows`], [`shellfin_raster`] |
+
+pub mod base_raster;
+pub mod edge_table;
+pub mod film;
+pub mod guard_bins;
+pub mod guard_raster;
+pub mod guard_shade;
+pub mod guard_splat;
+pub mod guard_strands;
+pub mod hair_roots;
+pub mod light_occlusion;
+pub mod resolve;
+pub mod shell_entry;
+pub mod shell_lattice;
+pub mod shell_prisms;
+pub mod undercoat_density;
+pub mod undercoat_light;
+pub mod undercoat_march;
+pub mod undercoat_source;
+
+use pelage_core::Result;
+use pelage_fur::fibre::MODELS;
+use pelage_gpu::Gpu;
+use std::sync::Arc;
+
+/// What the passes are compiled for.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Variant {
+    /// Densities are stored, not evaluated.
+    pub stored: bool,
+    /// Key lights are followed by a march at every step, not looked up.
+    pub nested: bool,
+    /// Scattering of the guard hairs, a number of [`pelage_fur::fibre::Fibre::number`].
+    pub guard: u32,
+    /// Scattering of the undercoat.
+    pub coat: u32,
+    /// How light scattered by more than one hair is found: 0 not or by similarity, 1 dual scattering, 2 transport.
+    pub multiple: u32,
+}
+
+impl Variant {
+    /// Number of variants.
+    pub const COUNT: usize = 12 * (MODELS * MODELS) as usize;
+
+    /// A number below [`Variant::COUNT`].
+    pub fn index(self) -> usize {
+        let models = self.guard.min(MODELS - 1) * MODELS + self.coat.min(MODELS - 1);
+        usize::from(self.stored)
+            + 2 * usize::from(self.nested)
+            + 4 * (models * 3 + self.multiple.min(2)) as usize
+    }
+
+    /// Values of the shaders' `override` constants.
+    fn constants(self) -> [(&'static str, f64); 3] {
+        [
+            ("STORED", f64::from(u8::from(self.stored))),
+            ("NESTED", f64::from(u8::from(self.nested))),
+            self.coat(),
+        ]
+    }
+
+    fn multiple(self) -> (&'static str, f64) {
+        ("MULTIPLE", f64::from(self.multiple))
+    }
+
+    /// The constant that fixes the guard hairs' model.
+    pub fn guard(self) -> (&'static str, f64) {
+        ("GUARD_MODEL", f64::from(self.guard))
+    }
+
+    /// The constant that fixes the undercoat's model.
+    pub fn coat(self) -> (&'static str, f64) {
+        ("COAT_MODEL", f64::from(self.coat))
+    }
+}
+
+/// All passes, compiled.
+pub struct Passes {
+    /// `base_raster`
+    pub base_raster: base_raster::BaseRaster,
+    /// `edge_table`
+    pub edge_table: edge_table::EdgeTable,
+    /// `film`
+    pub film: film::Film,
+    /// `guard_bins`
+    pub guard_bins: guard_bins::GuardBins,
+    /// `guard_raster`
+    pub guard_raster: guard_raster::GuardRaster,
+    /// `guard_shade`
+    pub guard_shade: guard_shade::GuardShade,
+    /// `guard_splat`
+    pub guard_splat: guard_splat::GuardSplat,
+    /// `guard_strands`
+    pub guard_strands: guard_strands::GuardStrands,
+    /// `hair_roots`
+    pub hair_roots: hair_roots::HairRoots,
+    /// `light_occlusion`
+    pub light_occlusion: light_occlusion::LightOcclusion,
+    /// `resolve`
+    pub resolve: resolve::Resolve,
+    /// `shell_entry`
+    pub shell_entry: shell_entry::ShellEntry,
+    /// `shell_lattice`
+    pub shell_lattice: shell_lattice::ShellLattice,
+    /// `shell_prisms`
+    pub shell_prisms: shell_prisms::ShellPrisms,
+    /// `undercoat_density`
+    pub undercoat_density: undercoat_density::UndercoatDensity,
+    /// `undercoat_light`
+    pub undercoat_light: undercoat_light::UndercoatLight,
+    /// `undercoat_march`
+    pub undercoat_march: undercoat_march::UndercoatMarch,
+    /// `undercoat_source`
+    pub undercoat_source: undercoat_source::UndercoatSource,
+}
+
+impl Passes {
+    /// Every kernel for a variant, compiled at the first call on this device.
+    ///
+    /// # Errors
+    /// As [`Passes::new`].
+    pub fn of(gpu: &Gpu, variant: Variant) -> Result<Arc<Self>> {
+        gpu.keep(variant.index(), || Self::new(gpu, variant))
+    }
+
+    /// Compiles every kernel, for a variant.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] with file and line of a fault in a shader.
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self {
+            base_raster: base_raster::BaseRaster::new(gpu)?,
+            edge_table: edge_table::EdgeTable::new(gpu)?,
+            film: film::Film::new(gpu)?,
+            guard_bins: guard_bins::GuardBins::new(gpu)?,
+            guard_raster: guard_raster::GuardRaster::new(gpu)?,
+            guard_shade: guard_shade::GuardShade::new(gpu, variant)?,
+            guard_splat: guard_splat::GuardSplat::new(gpu)?,
+            guard_strands: guard_strands::GuardStrands::new(gpu)?,
+            hair_roots: hair_roots::HairRoots::new(gpu)?,
+            light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
+            resolve: resolve::Resolve::new(gpu, variant)?,
+            shell_entry: shell_entry::ShellEntry::new(gpu)?,
+            shell_lattice: shell_lattice::ShellLattice::new(gpu)?,
+            shell_prisms: shell_prisms::ShellPrisms::new(gpu)?,
+            undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,
+            undercoat_light: undercoat_light::UndercoatLight::new(gpu)?,
+            undercoat_march: undercoat_march::UndercoatMarch::new(gpu, variant)?,
+            undercoat_source: undercoat_source::UndercoatSource::new(gpu, variant)?,
+        })
+    }
+}
+
+/// The row of the paper's Table 1 that a pass belongs to; 7 with the film.
+pub fn step_of(stem: &str) -> u32 {
+    match stem {
+        "edge_table" | "shell_prisms" | "hair_roots" => 1,
+        "undercoat_density" | "shell_lattice" | "guard_splat" | "light_occlusion" | "undercoat_light"
+        | "undercoat_source" => 2,
+        "guard_strands" | "guard_shade" | "shellfin_rows" => 3,
+        "shell_entry" | "undercoat_march" | "shellfin_raster" => 4,
+        "base_raster" => 5,
+        "guard_bins" | "guard_raster" => 6,
+        _ => 7,
+    }
+}
+
+/// Row names of the paper's Table 1.
+pub const STEP_NAMES: [&str; 7] = [
+    "Process base mesh",
+    "Prism volume densities and light",
+    "Generate explicit strands",
+    "Rasterize shell volume",
+    "Rasterize base mesh",
+    "Rasterize explicit fur",
+    "OIT post-processing",
+];

@@ -1,0 +1,59 @@
+//! Step 1: the prism shell.
+
+use pelage_core::Result;
+use pelage_fur::shell_prisms::SPREAD_ROUNDS;
+use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Resource, Scope};
+
+/// Step 1: the prism shell.
+pub struct ShellPrisms {
+    fold: Kernel,
+    spread: Kernel,
+    vertices: Kernel,
+    prisms: Kernel,
+}
+
+impl ShellPrisms {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self {
+            fold: Kernel::new(gpu, "shell_prisms", "fold")?,
+            spread: Kernel::new(gpu, "shell_prisms", "spread")?,
+            vertices: Kernel::new(gpu, "shell_prisms", "vertices")?,
+            prisms: Kernel::new(gpu, "shell_prisms", "prisms_of_triangles")?,
+        })
+    }
+
+    /// Extrudes the shell and joins the tables. In scope: `skin_vertices`, `triangles`, `vertex_uv`, `neighbours`, `subdivisions`, `groom`,
+    /// `map_texels`, `shell_vertices`, `prisms`.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] if a binding is missing, [`pelage_core::Error::OutOfMemory`] without room.
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        vertices: u32,
+        triangles: u32,
+    ) -> Result<[Buffer; 3]> {
+        let counts = gpu.uniform("counts", &[vertices, triangles, 0, 0])?;
+        let high = vec![f32::MAX; vertices as usize];
+        let tables = [gpu.upload("reach", 1, &high)?, gpu.upload("reach", 1, &high)?];
+        let scope = scope.with(&[&counts]);
+        recorder.dispatch(&self.fold, &scope.with(&[&tables[0]]), u64::from(triangles))?;
+        for round in 0..SPREAD_ROUNDS {
+            let [before, after] = if round % 2 == 0 { [0, 1] } else { [1, 0] };
+            let scope =
+                scope.with(&[&tables[after]]).and("reach_before", Resource::Buffer(&tables[before].raw));
+            recorder.dispatch(&self.spread, &scope, u64::from(triangles))?;
+        }
+        let scope = scope.with(&[&tables[SPREAD_ROUNDS % 2]]);
+        recorder.dispatch(&self.vertices, &scope, u64::from(vertices))?;
+        recorder.dispatch(&self.prisms, &scope, u64::from(triangles))?;
+        let [first, second] = tables;
+        Ok([counts, first, second])
+    }
+}

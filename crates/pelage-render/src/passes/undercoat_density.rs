@@ -1,0 +1,36 @@
+//! Step 2: densities and tangents of the subelements.
+
+use pelage_core::Result;
+use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
+
+/// Step 2: densities and tangents of the subelements.
+pub struct UndercoatDensity {
+    main: Kernel,
+}
+
+impl UndercoatDensity {
+    /// Compiles the kernels.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    pub fn new(gpu: &Gpu) -> Result<Self> {
+        Ok(Self { main: Kernel::new(gpu, "undercoat_density", "main")? })
+    }
+
+    /// Fills `cells`. In scope: the shell, `fur`, `noise`, `corner_uv`, `cells`.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    pub fn record(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        triangles: u32,
+        layers: u32,
+    ) -> Result<Buffer> {
+        let counts = gpu.uniform("counts", &[triangles, 0, 0, 0])?;
+        recorder.dispatch(&self.main, &scope.with(&[&counts]), u64::from(triangles) * u64::from(layers))?;
+        Ok(counts)
+    }
+}

@@ -1,0 +1,122 @@
+//! Samples of a pixel: a regular grid within the pixel, several times over with displaced grids or lens points where that is not enough.
+
+use bytemuck::Zeroable;
+use glam::Vec2;
+use pelage_core::scene::{LensMethod, Scene};
+use pelage_fur::layout::Reconstruction;
+
+/// How the film is sampled.
+#[derive(Debug, Clone)]
+pub struct SamplePlan {
+    /// Samples along a pixel's edge in one pass over the image.
+    pub grid: u32,
+    /// Passes over the image: displacement of the grid in samples, point on the lens in diameters.
+    pub passes: Vec<(Vec2, Vec2)>,
+    /// Samples of the whole film.
+    pub film: [u32; 2],
+    /// Samples that a filter reaches over a pixel's own.
+    pub reach: u32,
+}
+
+/// Largest reach and grid that the shader's table of weights holds.
+const MAX_TAPS: u32 = 128;
+
+impl SamplePlan {
+    /// The plan for a scene's `film.spp`: the largest square that divides it becomes the grid, the rest passes.
+    pub fn new(scene: &Scene) -> Self {
+        let spp = scene.film.spp.max(1);
+        let lens = scene.camera.lens.as_ref().filter(|l| l.method == LensMethod::Samples && l.aperture > 0.0);
+        let radius = radius(scene);
+        let mut grid = (1..=8u32).rev().find(|k| spp.is_multiple_of(k * k)).unwrap_or(1);
+        if lens.is_some() {
+            // Each pass has one point on the lens: all samples become passes.
+            grid = 1;
+        }
+        while grid > 1 && taps(radius, grid) > MAX_TAPS {
+            grid = (1..grid).rev().find(|k| spp.is_multiple_of(k * k)).unwrap_or(1);
+        }
+        let count = spp / (grid * grid);
+        let passes = (0..count)
+            .map(|i| {
+                let jitter = if count == 1 { Vec2::ZERO } else { r2(i) - 0.5 };
+                (jitter, if lens.is_some() { disc(r2(i + 1)) * 0.5 } else { Vec2::ZERO })
+            })
+            .collect();
+        Self {
+            grid,
+            passes,
+            film: [scene.film.width * grid, scene.film.height * grid],
+            reach: reach(radius, grid),
+        }
+    }
+
+    /// What the film pass reads for a tile of `pixels` pixels in pass `pass`.
+    pub fn reconstruction(
+        &self,
+        scene: &Scene,
+        pass: usize,
+        pixels: [u32; 2],
+        planes: u32,
+    ) -> Reconstruction {
+        let (weights, taps) = self.weights(scene, self.passes[pass].0.x);
+        Reconstruction {
+            origin: [self.reach as i32; 2],
+            pixels,
+            grid: self.grid,
+            reach: self.reach as i32,
+            taps,
+            planes,
+            accumulate: u32::from(pass > 0),
+            scale: 1.0 / self.passes.len() as f32,
+            weights,
+            ..Reconstruction::zeroed()
+        }
+    }
+
+    /// The filter's weights for a displacement of the grid, four a vector, and their number.
+    fn weights(&self, scene: &Scene, jitter: f32) -> ([[f32; 4]; 32], u32) {
+        let taps = self.grid + 2 * self.reach;
+        let radius = radius(scene);
+        let mut weights: Vec<f32> = (0..taps)
+            .map(|i| {
+                let x = (i as f32 - self.reach as f32 + 0.5 + jitter) / self.grid as f32 - 0.5;
+                pelage_core::film::filter::weight_1d(scene.film.filter, f64::from(radius), f64::from(x))
+                    as f32
+            })
+            .collect();
+        let sum: f32 = weights.iter().sum();
+        if sum.abs() > 1e-12 {
+            weights.iter_mut().for_each(|w| *w /= sum);
+        } else {
+            let middle = weights.len() / 2;
+            weights[middle] = 1.0;
+        }
+        let mut packed = Reconstruction::zeroed().weights;
+        for (i, w) in weights.iter().enumerate() {
+            packed[i / 4][i % 4] = *w;
+        }
+        (packed, taps)
+    }
+}
+
+fn radius(scene: &Scene) -> f32 {
+    scene.film.filter_radius.unwrap_or_else(|| pelage_core::film::filter::usual_radius(scene.film.filter))
+}
+
+fn reach(radius: f32, grid: u32) -> u32 {
+    ((radius - 0.5).max(0.0) * grid as f32).ceil() as u32
+}
+
+fn taps(radius: f32, grid: u32) -> u32 {
+    grid + 2 * reach(radius, grid)
+}
+
+/// Additive recurrence on the plane: even for any number of points.
+fn r2(i: u32) -> Vec2 {
+    (Vec2::splat(0.5) + i as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract()
+}
+
+/// Square to unit disc, keeping areas.
+fn disc(u: Vec2) -> Vec2 {
+    Vec2::from_angle(std::f32::consts::TAU * u.y) * u.x.sqrt()
+}

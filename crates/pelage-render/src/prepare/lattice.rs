@@ -1,0 +1,99 @@
+//! Size and columns of the light lattice.
+
+use pelage_core::{Skin, World};
+use pelage_fur::groom;
+use pelage_fur::layout::{Column, Fur};
+
+/// Size of the light lattice.
+pub(super) struct Lattice {
+    pub edge: u32,
+    pub levels: u32,
+    pub reach: f32,
+}
+
+impl Lattice {
+    /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
+    pub fn plan(skin: &Skin, world: &World, fur: &Fur, room: u64) -> Self {
+        /// Wanted distance of columns, cm.
+        const SPACING: f32 = 0.2;
+        /// Wanted distance of levels in mean free paths of the undercoat.
+        const LEVEL_PATHS: f32 = 2.0;
+        let guard = &world.scene.guard;
+        let reach = if groom::has_guard(&world.scene) {
+            (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
+        } else {
+            1.0
+        };
+        let mean_area = (skin.area() / skin.triangles.len().max(1) as f64) as f32;
+        let mean_edge = (mean_area * 2.309).sqrt();
+        let path = if fur.extinction > 0.0 { 1.0 / fur.extinction } else { fur.height / 4.0 };
+        let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
+        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(14, 48);
+        let bytes = |edge: u32, levels: u32| {
+            // Half an area of the grid's triangles for each of its points.
+            let columns =
+                skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
+            columns * u64::from(levels + 1) * u64::from(fur.tau_stride.max(4)) * 4
+        };
+        while bytes(edge, levels) > room && edge > 1 {
+            edge -= 1;
+        }
+        while bytes(edge, levels) > room && levels > 4 {
+            levels -= 1;
+        }
+        Self { edge, levels, reach }
+    }
+
+    /// Column at barycentric `(n - i - j, i, j) / n` of triangle `t`; the twin of `column_index` in `shared/lattice.wgsl`.
+    fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
+        let n = self.edge;
+        let v = skin.triangles[t];
+        let vertices = skin.positions.len() as u32;
+        let on_edge =
+            |edge: u32, a: u32, b: u32, k: u32| vertices + edge * (n - 1) + if a < b { k } else { n - k } - 1;
+        let column = match (i, j) {
+            (0, 0) => v[0],
+            (i, _) if i == n => v[1],
+            (_, j) if j == n => v[2],
+            (i, 0) => on_edge(edge_numbers[t][2], v[0], v[1], i),
+            (0, j) => on_edge(edge_numbers[t][1], v[0], v[2], j),
+            (i, j) if i + j == n => on_edge(edge_numbers[t][0], v[1], v[2], j),
+            (i, j) => {
+                let inner = (n - 1) * (n - 2) / 2;
+                vertices + edges * (n - 1) + t as u32 * inner + (j - 1) * (n - 1) - (j - 1) * j / 2 + i - 1
+            }
+        };
+        column as usize
+    }
+
+    /// The columns: where they stand and their share of the skin's area.
+    pub fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
+        let n = self.edge;
+        let inner = (n - 1) * n.saturating_sub(2) / 2;
+        let count =
+            skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;
+        let mut columns = vec![<Column as bytemuck::Zeroable>::zeroed(); count];
+        for t in 0..skin.triangles.len() {
+            let share = skin.triangle_area(t) / (n * n) as f32 / 3.0;
+            let mut add = |i: u32, j: u32| {
+                let column = &mut columns[self.column(skin, edge_numbers, edges, t, i, j)];
+                column.prism = t as u32;
+                column.grid = i | (j << 16);
+                column.area += share;
+            };
+            for j in 0..n {
+                for i in 0..n - j {
+                    for (i, j) in [(i, j), (i + 1, j), (i, j + 1)] {
+                        add(i, j);
+                    }
+                    if i + j + 2 <= n {
+                        for (i, j) in [(i + 1, j + 1), (i, j + 1), (i + 1, j)] {
+                            add(i, j);
+                        }
+                    }
+                }
+            }
+        }
+        columns
+    }
+}

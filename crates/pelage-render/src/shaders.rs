@@ -1,0 +1,32 @@
+//! The texts of all shaders: compiled into a release, read from the disk in development, so that a change of a shader needs
+//! no rebuild.
+
+use pelage_core::Result;
+use pelage_gpu::Gpu;
+use std::borrow::Cow;
+
+#[derive(rust_embed::Embed)]
+#[folder = "../../shaders"]
+struct Folder;
+
+/// The text of the shader called `name`, such as `resolve` or `shared/oit`.
+pub fn text(name: &str) -> Option<Cow<'static, str>> {
+    let file = Folder::get(&format!("{name}.wgsl"))?;
+    String::from_utf8(file.data.into_owned()).ok().map(Cow::Owned)
+}
+
+/// Names of all shaders, those of `shared/` included.
+pub fn names() -> Vec<String> {
+    let mut names: Vec<String> =
+        Folder::iter().filter_map(|file| file.strip_suffix(".wgsl").map(str::to_owned)).collect();
+    names.sort();
+    names
+}
+
+/// Opens the adapter that the environment asks for, for these shaders.
+///
+/// # Errors
+/// As [`Gpu::open`].
+pub fn open() -> Result<Gpu> {
+    Gpu::open(text)
+}

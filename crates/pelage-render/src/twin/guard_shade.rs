@@ -1,0 +1,100 @@
+//! Twin of `shaders/guard_shade.wgsl`: shading of the guard hairs at their vertices.
+
+use crate::twin::lattice::{cell, node_index};
+use crate::twin::undercoat_source::Lattice;
+use glam::Vec3;
+use pelage_core::scene::MultipleModel;
+use pelage_fur::Layer;
+use pelage_fur::fibre::{Angles, Fibre, Hit};
+use pelage_fur::layout::Root;
+use pelage_fur::parameters::{Maps, Parameter, skin_point};
+use pelage_fur::random::random;
+use pelage_fur::shell::Located;
+use pelage_fur::strands::{position, tangent};
+
+/// Optical depth to the eye behind which a vertex is not shaded.
+pub const HIDDEN: f32 = 14.0;
+
+/// A shaded vertex.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Shade {
+    /// Radiance towards the eye.
+    pub radiance: Vec3,
+    /// Least optical depth to the eye around it: behind [`HIDDEN`] the shader leaves it out.
+    pub eye_tau: f32,
+}
+
+/// Shades the vertices of a strand with its root.
+pub fn shade(
+    light: &Lattice<'_>,
+    maps: &Maps<'_>,
+    fibre: &Fibre,
+    root: &Root,
+    strand: &[[f32; 4]],
+) -> Vec<Shade> {
+    let (fur, shell, groom) = (light.fur, light.shell, maps.groom);
+    let lambda = Vec3::new(1.0 - root.lambda[0] - root.lambda[1], root.lambda[0], root.lambda[1]);
+    let at = skin_point(shell, root.prism, lambda);
+    let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
+    let ends = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at) * tone);
+    let glint_angle = (30.0 + 15.0 * random(root.seed, 7)).to_radians();
+    let mut place = shell.enter(root.prism);
+    let mut inside = true;
+    let mut shades = Vec::new();
+    for (k, vertex) in strand.iter().enumerate() {
+        let x = position(*vertex);
+        let along = tangent(strand, k);
+        let view = (Vec3::from(light.frame.eye) - x).normalize();
+        let s = k as f32 / (strand.len() - 1) as f32;
+        let [middle, width] = groom.color_transition;
+        let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
+        let tint = ends[0].lerp(ends[1], u * u * (3.0 - 2.0 * u)).clamp(Vec3::ZERO, Vec3::ONE);
+        // A strand that hangs over the border of the skin keeps its last place.
+        inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
+        let cell = cell(fur, &place);
+        let corners = |j: u32| {
+            [0, 1, 2].map(|c| {
+                let node = node_index(fur, cell.columns[c], cell.level);
+                [light.tau(node, j), light.tau(node + 1, j)]
+            })
+        };
+        let tau = |j: u32| {
+            let along = corners(j).map(|[low, high]| low + (high - low) * cell.fraction);
+            cell.weights.dot(Vec3::from(along))
+        };
+        let mut radiance = Vec3::ZERO;
+        for (j, l) in (0..fur.lights).zip(light.lights) {
+            let through = match groom.paper {
+                0 => (-tau(j) * (1.0 - fur.forward_scattering * tint)).exp(),
+                _ => Vec3::ONE,
+            };
+            let scattered = fibre.scatter_far(
+                &Hit { tint, glint_angle, h: 0.0 },
+                &Angles::around(along, Vec3::from(l.direction), view),
+            );
+            radiance += Vec3::from(l.irradiance) * through * scattered;
+            if let (MultipleModel::Dual, Some(table)) = (light.multiple, light.table) {
+                let to_light = Vec3::from(l.direction);
+                let of_light = table.dual_scatter(Layer::Guard, tint, along, to_light, view, tau(j));
+                radiance += Vec3::from(l.irradiance) * of_light;
+            }
+        }
+        if let (MultipleModel::Transport, Some(table)) = (light.multiple, light.table) {
+            let mut scattered = [Vec3::ZERO; 2];
+            for c in 0..3 {
+                let node = node_index(fur, cell.columns[c], cell.level);
+                let [low, high] = [node, node + 1].map(|node| light.scattered(node));
+                (0..2).for_each(|k| scattered[k] += cell.weights[c] * low[k].lerp(high[k], cell.fraction));
+            }
+            let normal = place.extrusion(place.lambda).normalize();
+            radiance += table.guard_response(tint, along, view, normal, scattered);
+        }
+        if groom.paper == 1 {
+            // [Andersen2016] sec. 3.1
+            radiance *= 1.0 - groom.root_darkening[0] * (-s / groom.root_darkening[1]).exp();
+        }
+        let least = corners(fur.lights).into_iter().flatten().fold(f32::INFINITY, f32::min);
+        shades.push(Shade { radiance, eye_tau: if inside { least } else { 0.0 } });
+    }
+    shades
+}

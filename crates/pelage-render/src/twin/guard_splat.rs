@@ -1,0 +1,71 @@
+//! Twin of `shaders/guard_splat.wgsl`: what stands in the way of the light at the nodes of the light lattice.
+
+use crate::twin::lattice;
+use crate::twin::lattice::{node_index, node_place};
+use glam::Vec3;
+use pelage_fur::layout::{Column, Fur, Root};
+use pelage_fur::shell::{Located, Shell};
+use pelage_fur::strands::{position, radius};
+use pelage_fur::undercoat::Undercoat;
+
+/// Deposits a segment.
+const PARTS: u32 = 2;
+
+/// Length times diameter of strands at the nodes, cm2, and how much of it lay within the shell.
+pub fn deposits(
+    shell: &Shell,
+    fur: &Fur,
+    roots: &[Root],
+    vertices: &[[f32; 4]],
+    segments: u32,
+) -> (Vec<f64>, f64) {
+    let mut nodes = vec![0.0; (fur.columns * (fur.levels + 1)) as usize];
+    let mut total = 0.0;
+    for (root, strand) in roots.iter().zip(vertices.chunks(segments as usize + 1)) {
+        let mut place = shell.enter(root.prism);
+        let parts = strand.windows(2).flat_map(|ends| (0..PARTS).map(move |part| (ends, part)));
+        for (ends, part) in parts {
+            let d = position(ends[1]) - position(ends[0]);
+            let amount = d.length() * (radius(ends[0]) + radius(ends[1])) / PARTS as f32;
+            let x = position(ends[0]) + d * ((part as f32 + 0.5) / PARTS as f32);
+            if shell.locate(&mut place, x, d, 3) != Located::Inside {
+                break;
+            }
+            let cell = lattice::cell(fur, &place);
+            total += f64::from(amount);
+            for (column, weight) in cell.columns.into_iter().zip(cell.weights.to_array()) {
+                let node = node_index(fur, column, cell.level) as usize;
+                nodes[node] += f64::from(amount * weight * (1.0 - cell.fraction));
+                nodes[node + 1] += f64::from(amount * weight * cell.fraction);
+            }
+        }
+    }
+    (nodes, total)
+}
+
+/// Volume that a node stands for, cm3.
+pub fn volume(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> f32 {
+    let (place, _) = node_place(shell, fur, column, level);
+    let t = place.t;
+    let flat = place.e1.cross(place.e2).length().max(1e-20);
+    let raised = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2).length();
+    let height = place.extrusion(place.lambda).length() * fur.light_reach / fur.levels as f32;
+    // The end nodes stand for half a cell.
+    let cells = if level == 0 || level == fur.levels { 0.5 } else { 1.0 };
+    (column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9)
+}
+
+/// Extinction at a node, 1/cm: that of the undercoat seen square, and that of guard hairs that deposited `deposit` cm2.
+pub fn extinction(coat: &Undercoat<'_>, column: &Column, level: u32, deposit: f64) -> [f32; 2] {
+    let fur = coat.fur;
+    let guard = deposit as f32 / volume(coat.shell, fur, column, level);
+    let (place, _) = node_place(coat.shell, fur, column, level);
+    if place.t > 1.0 {
+        return [0.0, guard];
+    }
+    let p = coat.domain_point(&place, place.lambda);
+    let t = place.t;
+    let tangent = (place.extrusion(place.lambda).normalize() + Vec3::from(fur.lean) * t).normalize();
+    let density = column.density * coat.clump_density(p, p, t) * place.crowding(t, tangent);
+    [fur.extinction * density, guard]
+}

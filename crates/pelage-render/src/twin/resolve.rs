@@ -1,0 +1,185 @@
+//! Twin of `shaders/resolve.wgsl`: the fragments of a sample to its colour.
+
+use crate::twin::undercoat_march::{Scenery, Step, steps};
+use glam::{Vec3, Vec4};
+use pelage_fur::layout::Fur;
+
+/// What a fragment is: the top two bits of its source.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Kind {
+    /// Of a guard hair.
+    Strand,
+    /// An entry into the shell.
+    Entry,
+    /// Of the undercoat.
+    Volume,
+}
+
+/// A fragment of a sample's list.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Node {
+    /// Depth, cm.
+    pub z: f32,
+    /// Kind and id.
+    pub source: u32,
+    /// Premultiplied.
+    pub color: Vec4,
+}
+
+impl Node {
+    /// What it is.
+    pub fn kind(&self) -> Kind {
+        match self.source >> 30 {
+            0 => Kind::Strand,
+            1 => Kind::Entry,
+            _ => Kind::Volume,
+        }
+    }
+
+    /// The prism of an entry.
+    pub fn id(&self) -> u32 {
+        self.source & 0x3fff_ffff
+    }
+}
+
+/// The skin under a sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Base {
+    /// Depth, cm.
+    pub z: f32,
+    /// Radiance.
+    pub radiance: Vec3,
+}
+
+/// What a sample gathers. Radiances are premultiplied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Gathered {
+    /// Of the guard hairs.
+    pub guard: Vec3,
+    /// Of the undercoat.
+    pub undercoat: Vec3,
+    /// Of the skin.
+    pub base: Vec3,
+    /// Transmittance.
+    pub through: f32,
+    /// Sum of opacity times depth, cm.
+    pub z_sum: f32,
+}
+
+impl Gathered {
+    /// Nothing yet.
+    pub fn new() -> Self {
+        Self { guard: Vec3::ZERO, undercoat: Vec3::ZERO, base: Vec3::ZERO, through: 1.0, z_sum: 0.0 }
+    }
+
+    fn over(&mut self, kind: Kind, color: Vec4, z: f32) {
+        let light = self.through * color.truncate();
+        match kind {
+            Kind::Strand => self.guard += light,
+            Kind::Volume => self.undercoat += light,
+            Kind::Entry => return,
+        }
+        self.z_sum += self.through * color.w * z;
+        self.through *= 1.0 - color.w;
+    }
+
+    fn finish(mut self, base: Option<Base>) -> Self {
+        if let Some(base) = base {
+            self.base = self.through * base.radiance;
+            self.z_sum += self.through * base.z;
+            self.through = 0.0;
+        }
+        self
+    }
+
+    /// Opacity-weighted depth, cm; 1e30 where nothing is.
+    pub fn depth(&self) -> f32 {
+        let opacity = 1.0 - self.through;
+        if opacity > 1e-4 { self.z_sum / opacity } else { 1e30 }
+    }
+}
+
+impl Default for Gathered {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+/// Fragments by depth; equal depths by source, so that the order of arrival does not show.
+pub fn sort(nodes: &mut [Node]) {
+    nodes.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.source.cmp(&b.source)));
+}
+
+/// Alpha that a shell fragment keeps in front of the strands directly behind it, up to the next shell fragment; `behind` is sorted.
+///
+/// DEVIATION: each strand counts with its own alpha, and what is left is not negative.
+pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 {
+    let taken: f32 = behind
+        .iter()
+        .take_while(|n| n.kind() != Kind::Volume)
+        .filter(|n| n.kind() == Kind::Strand)
+        .map(|n| n.color.w * (-attenuation * (n.z - shell.z)).exp()) // [Andersen2016] eq. 4
+        .sum();
+    (shell.color.w - taken).max(0.0)
+}
+
+/// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by eq. 4 unless there are
+/// virtual fragments.
+pub fn stored(fur: &Fur, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
+    sort(&mut nodes);
+    let mut g = Gathered::new();
+    for (i, node) in nodes.iter().enumerate() {
+        let mut color = node.color;
+        if node.kind() == Kind::Volume && fur.virtual_fragments == 0 {
+            color *= simplified_alpha(fur.attenuation, node, &nodes[i + 1..]) / color.w.max(1e-6);
+        }
+        g.over(node.kind(), color, node.z);
+    }
+    g.finish(base)
+}
+
+/// Blends strands and the undercoat marched from the list's entries, each at its true depth: the steps of the march are cut at
+/// every strand. What two entries share is counted for the first.
+pub fn exact(
+    scenery: &Scenery<'_>,
+    mut nodes: Vec<Node>,
+    ray: Vec3,
+    phase: f32,
+    base: Option<Base>,
+) -> Gathered {
+    sort(&mut nodes);
+    let z_base = base.map_or(f32::INFINITY, |b| b.z);
+    let mut pieces: Vec<Step> = Vec::new();
+    let mut consumed = 0f32;
+    for entry in nodes.iter().filter(|n| n.kind() == Kind::Entry) {
+        let (made, _) = steps(scenery, ray, entry.id(), entry.z, phase);
+        let end = made.last().map_or(entry.z, |s| s.z_end);
+        pieces.extend(made.iter().map(|s| Step { z: s.z.max(consumed), z_end: s.z_end.min(z_base), ..*s }));
+        consumed = consumed.max(end);
+    }
+    pieces.retain(|s| s.z_end > s.z);
+    let strands: Vec<&Node> = nodes.iter().filter(|n| n.kind() == Kind::Strand).collect();
+    // All places where something changes.
+    let mut cuts: Vec<f32> =
+        pieces.iter().flat_map(|s| [s.z, s.z_end]).chain(strands.iter().map(|n| n.z)).collect();
+    cuts.sort_by(f32::total_cmp);
+    cuts.dedup();
+    let mut g = Gathered::new();
+    let mut next = 0;
+    let mut piece = 0;
+    for (i, z) in cuts.iter().enumerate() {
+        while next < strands.len() && strands[next].z <= *z {
+            g.over(Kind::Strand, strands[next].color, strands[next].z);
+            next += 1;
+        }
+        let Some(end) = cuts.get(i + 1) else { break };
+        while piece < pieces.len() && pieces[piece].z_end <= *z {
+            piece += 1;
+        }
+        if let Some(s) = pieces.get(piece).filter(|s| s.z <= *z) {
+            let part = 1.0 - (-s.sigma * (end - z)).exp();
+            g.over(Kind::Volume, (s.radiance * part).extend(part), 0.5 * (z + end));
+        }
+    }
+    g.finish(base)
+}

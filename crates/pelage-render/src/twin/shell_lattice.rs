@@ -1,0 +1,18 @@
+//! Twin of `shaders/shell_lattice.wgsl`: what the columns of the light lattice know of the skin below them.
+
+use crate::twin::lattice::{column_lambda, pack_albedo};
+use pelage_fur::layout::{Column, Fur};
+use pelage_fur::parameters::{Maps, Parameter, skin_point};
+use pelage_fur::shell::Shell;
+
+/// `column` with density factor and colours set.
+pub fn column(shell: &Shell, fur: &Fur, maps: &Maps<'_>, column: &Column) -> Column {
+    let at = skin_point(shell, column.prism, column_lambda(fur, column));
+    Column {
+        density: maps.scalar(Parameter::UndercoatDensity, &at) / fur.density,
+        color_root: pack_albedo(maps.color(Parameter::UndercoatColorRoot, &at)),
+        color_tip: pack_albedo(maps.color(Parameter::UndercoatColorTip, &at)),
+        color_base: pack_albedo(maps.color(Parameter::BaseColor, &at)),
+        ..*column
+    }
+}

@@ -1,0 +1,237 @@
+//! Twin of `shaders/undercoat_march.wgsl`, `shared/march.wgsl` and `shared/phase.wgsl`: the march through the undercoat and the
+//! fragments that it leaves.
+
+use crate::twin::film::halves;
+use crate::twin::lattice;
+use crate::twin::lattice::unpack_albedo;
+use glam::{Vec3, Vec4};
+use pelage_fur::camera::FLAG_MARCH_JITTER;
+use pelage_fur::fibre::Fibre;
+use pelage_fur::layout::Frame;
+use pelage_fur::shell::{Located, Place};
+use pelage_fur::undercoat::{Medium, Undercoat, color, extinction, scatter};
+
+/// Length of a ray's first step in steps.
+pub fn first_phase(frame: &Frame, xy: [u32; 2]) -> f32 {
+    if frame.flags & FLAG_MARCH_JITTER == 0 {
+        return 1.0;
+    }
+    let at = |k: usize| (frame.tile_origin[k] + xy[k] as i32 + 4096) as f32;
+    let turn = 52.982_92 * (at(0) * 0.067_110_56 + at(1) * 0.005_837_15).fract();
+    0.05 + 0.95 * (turn + (frame.seed & 1023) as f32 * 0.618_034).fract()
+}
+
+/// What a march reads.
+#[derive(Clone, Copy)]
+pub struct Scenery<'a> {
+    /// The medium.
+    pub undercoat: Undercoat<'a>,
+    /// Light at the nodes of the lattice.
+    pub source: &'a [[u32; 4]],
+    /// The view.
+    pub frame: &'a Frame,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
+}
+
+/// A part of a ray in which the medium is even.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Step {
+    /// Where it begins, cm of depth.
+    pub z: f32,
+    /// Where it ends, cm of depth.
+    pub z_end: f32,
+    /// Extinction, 1/cm of depth.
+    pub sigma: f32,
+    /// Source radiance.
+    pub radiance: Vec3,
+    /// Where the medium was read.
+    pub place: Place,
+}
+
+/// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell;
+/// `phase` is the length of the first step. Also tells whether the ray was lost.
+pub fn steps(scenery: &Scenery<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
+    let fur = scenery.undercoat.fur;
+    let shell = scenery.undercoat.shell;
+    let speed = ray.length();
+    let view = -ray / speed;
+    let mut place = Place { t: 1.0, ..shell.enter(prism) };
+    let mut steps = Vec::new();
+    let mut z = z;
+    let mut dz = fur.step / speed * phase;
+    loop {
+        let z_mid = z + 0.5 * dz;
+        let x = Vec3::from(scenery.frame.eye) + z_mid * ray;
+        let found = shell.locate(&mut place, x, ray, if steps.is_empty() { 4 } else { 2 });
+        if found != Located::Inside {
+            return (steps, found == Located::Lost);
+        }
+        let (t, slope) = (place.t, place.dt_dz);
+        let mut z_end = z + dz;
+        let mut last = false;
+        // Rounding may put the start of a ray that descends a little above the top.
+        let starting = t > 1.0 && slope <= 0.0 && t <= 1.0 - slope * dz;
+        if (t > 1.0 && !starting) || t < 0.0 {
+            let beyond = if t > 1.0 { t - 1.0 } else { t };
+            z_end = z_mid - beyond / slope;
+            if beyond * slope <= 0.0 || z_end <= z {
+                return (steps, false);
+            }
+            place.t = t.clamp(0.0, 1.0);
+            last = true;
+        } else if slope > 0.0 && t + 0.5 * dz * slope > 1.0 {
+            z_end = z_mid + (1.0 - t) / slope;
+            last = true;
+        }
+        let medium = scenery.undercoat.at(&place);
+        let (radiance, density) = source_radiance(scenery, &place, medium, view);
+        let sigma = extinction(fur, medium, view) * density * speed;
+        steps.push(Step { z, z_end, sigma, radiance, place });
+        if last {
+            return (steps, false);
+        }
+        z = z_end;
+        dz = fur.step / speed;
+    }
+}
+
+/// What the light lattice says of a place.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Lookup {
+    /// Radiance by all lights that are no key lights, per albedo.
+    pub ambient: Vec3,
+    /// Optical depths to the two key lights.
+    pub tau: [f32; 2],
+    /// Single-scattering albedo.
+    pub albedo: Vec3,
+    /// Density of the undercoat on the skin below, relative to `fur.extinction`.
+    pub density: f32,
+}
+
+/// Interpolates the light lattice; the ambient radiance by its logarithm.
+pub fn look_up(scenery: &Scenery<'_>, place: &Place) -> Lookup {
+    let fur = scenery.undercoat.fur;
+    let cell = lattice::cell(fur, place);
+    let (mut ambient, mut tau, mut albedo) = (Vec4::ZERO, [0f32; 2], Vec3::ZERO);
+    for (k, level) in (0..3).flat_map(|k| [(k, 0), (k, 1)]) {
+        let part = if level == 0 { 1.0 - cell.fraction } else { cell.fraction };
+        let w = cell.weights[k] * part;
+        let words = scenery.source[lattice::node_index(fur, cell.columns[k], cell.level + level) as usize];
+        let [r, g] = halves(words[0]);
+        let [b, density] = halves(words[1]);
+        ambient += w * Vec4::new(r, g, b, density);
+        tau.iter_mut().zip(halves(words[2])).for_each(|(sum, tau)| *sum += w * tau);
+        albedo += w * unpack_albedo(words[3]);
+    }
+    let ambient_rgb = Vec3::from(ambient.truncate().to_array().map(f32::exp2));
+    Lookup { ambient: ambient_rgb, tau, albedo, density: ambient.w }
+}
+
+/// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
+pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
+    let fur = scenery.undercoat.fur;
+    let found = look_up(scenery, place);
+    let mut sum = found.ambient;
+    for j in 0..fur.keys as usize {
+        let l = Vec4::from(fur.key_direction[j]).truncate();
+        let through = (-found.tau[j] * (1.0 - fur.forward_scattering * found.albedo)).exp();
+        let scattered = scatter(scenery.coat, m.tangent, l, view, found.albedo);
+        sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * scattered;
+    }
+    (sum * color(scenery.coat, found.albedo), found.density)
+}
+
+/// A fragment of the undercoat.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Fragment {
+    /// Depth, cm.
+    pub z: f32,
+    /// Premultiplied.
+    pub color: Vec4,
+}
+
+/// Fragments of a ray with its entries (depth, prism) in order, before the skin at `z_base`: one an entry, or of equal opacity where
+/// `fur.virtual_fragments` asks for them. What two entries share is counted for the first.
+pub fn fragments(
+    scenery: &Scenery<'_>,
+    ray: Vec3,
+    phase: f32,
+    entries: &[(f32, u32)],
+    z_base: f32,
+) -> Vec<Fragment> {
+    let fur = scenery.undercoat.fur;
+    let mut made = Vec::new();
+    let mut consumed = 0f32;
+    for (z_entry, prism) in entries {
+        let (steps, _) = steps(scenery, ray, *prism, *z_entry, phase);
+        // Pieces of even medium in which nothing is counted twice.
+        let mut pieces: Vec<(f32, f32, f32, Vec3)> = Vec::new();
+        let mut opaque = 0f32;
+        let mut reached = *z_entry;
+        for s in &steps {
+            if (-opaque).exp() <= fur.opacity_cut || reached >= z_base {
+                break;
+            }
+            let (from, to) = (s.z.max(consumed), s.z_end.min(z_base));
+            reached = s.z_end;
+            if to > from {
+                pieces.push((from, to, s.sigma, s.radiance));
+                opaque += s.sigma * (to - from);
+            }
+        }
+        consumed = consumed.max(reached);
+        let n = fur.virtual_fragments;
+        if n == 0 {
+            let whole = blend(&pieces);
+            if whole.w > 0.0 {
+                made.push(Fragment { z: *z_entry, color: whole });
+            }
+            continue;
+        }
+        made.extend(split(&pieces, n));
+    }
+    made
+}
+
+/// The pieces one after another.
+fn blend(pieces: &[(f32, f32, f32, Vec3)]) -> Vec4 {
+    pieces.iter().fold(Vec4::ZERO, |sum, (from, to, sigma, radiance)| {
+        let part = 1.0 - (-sigma * (to - from)).exp();
+        sum + (1.0 - sum.w) * part * radiance.extend(1.0)
+    })
+}
+
+/// The pieces cut where the transmittance of the entry is 1 - k / n; a fragment stands where half of its opacity is reached.
+fn split(pieces: &[(f32, f32, f32, Vec3)], n: u32) -> Vec<Fragment> {
+    let mut made = Vec::new();
+    let mut rest: Vec<_> = pieces.iter().rev().copied().collect();
+    for k in 0..n {
+        let through = |j: f32| -(1.0 - j / n as f32).ln();
+        // Optical depth of this fragment, and to its middle.
+        let (depth, middle) =
+            (through(k as f32 + 1.0) - through(k as f32), through(k as f32 + 0.5) - through(k as f32));
+        let mut taken = Vec::new();
+        let mut sum = 0f32;
+        let mut z_middle = None;
+        while let Some((from, to, sigma, radiance)) = rest.pop() {
+            let whole = sigma * (to - from);
+            if z_middle.is_none() && sum + whole > middle {
+                z_middle = Some(from + (middle - sum) / sigma);
+            }
+            if sum + whole > depth {
+                let cut = from + (depth - sum) / sigma;
+                taken.push((from, cut, sigma, radiance));
+                rest.push((cut, to, sigma, radiance));
+                break;
+            }
+            sum += whole;
+            taken.push((from, to, sigma, radiance));
+        }
+        let color = blend(&taken);
+        if let Some(first) = taken.first().filter(|_| color.w > 0.0) {
+            made.push(Fragment { z: z_middle.unwrap_or(first.0), color });
+        }
+    }
+    made
+}

@@ -1,0 +1,183 @@
+//! Twin of `shaders/undercoat_source.wgsl`: what the march and the skin look up of the lights.
+
+use crate::twin::film::halves;
+use crate::twin::lattice::{node_index, unpack_albedo};
+use glam::Vec3;
+use pelage_core::scene::MultipleModel;
+use pelage_fur::Layer;
+use pelage_fur::fibre::Fibre;
+use pelage_fur::groom::tau_pairs;
+use pelage_fur::layout::{Column, Frame, Fur, Light};
+use pelage_fur::shell::{Place, Shell};
+use pelage_fur::undercoat::{color, mean_color, scatter};
+use pelage_transport::Table;
+use pelage_transport::lookup::Field;
+use std::f32::consts::FRAC_1_PI;
+
+/// Light at a node of the lattice.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Source {
+    /// log2 of the radiance by all lights that are no key lights, of Kajiya-Kay per albedo; at least that of 1e-7.
+    pub log_ambient: Vec3,
+    /// Relative density of the undercoat.
+    pub density: f32,
+    /// Optical depths to the key lights.
+    pub key_tau: [f32; 2],
+    /// Albedo.
+    pub albedo: Vec3,
+}
+
+/// A source as the buffer holds it.
+pub fn unpack(words: [u32; 4]) -> Source {
+    let [r, g] = halves(words[0]);
+    let [b, density] = halves(words[1]);
+    Source {
+        log_ambient: Vec3::new(r, g, b),
+        density,
+        key_tau: halves(words[2]),
+        albedo: unpack_albedo(words[3]),
+    }
+}
+
+/// What the pass reads.
+#[derive(Clone, Copy)]
+pub struct Lattice<'a> {
+    /// Parameters.
+    pub fur: &'a Fur,
+    /// The shell.
+    pub shell: &'a Shell,
+    /// All lights.
+    pub lights: &'a [Light],
+    /// The columns.
+    pub columns: &'a [Column],
+    /// Optical depths, pairs of halves.
+    pub tau: &'a [u32],
+    /// The view.
+    pub frame: &'a Frame,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
+    /// How light scattered by more than one hair is found.
+    pub multiple: MultipleModel,
+    /// The table for it, if it takes one.
+    pub table: Option<&'a Table>,
+}
+
+impl Lattice<'_> {
+    /// Optical depth of a node to a light (or to the eye, behind the last light).
+    pub fn tau(&self, node: u32, light: u32) -> f32 {
+        halves(self.tau[(node * self.fur.tau_stride + light / 2) as usize])[light as usize & 1]
+    }
+
+    /// Mean scattered radiance at a node from above and from below.
+    pub fn scattered(&self, node: u32) -> [Vec3; 2] {
+        let first = (node * self.fur.tau_stride + tau_pairs(self.fur.lights)) as usize;
+        let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
+        [Vec3::new(a, b, c), Vec3::new(d, e, f)]
+    }
+
+    /// Scattered radiance at a node by all lights of the undercoat, in a coat of this albedo; with transport only.
+    pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
+        let mut field = Field::default();
+        if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
+            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                let mu = normal.dot(Vec3::from(light.direction));
+                let of_light = table.scattered_field(albedo, self.tau(node, j), mu);
+                (0..3).for_each(|c| field[c] += light.irradiance[c] * of_light[c]);
+            }
+        }
+        field
+    }
+
+    /// What [`Table::sent_radiance`] says of all lights of the undercoat at level `level` of a column; with transport only.
+    pub fn sent(&self, column: u32, level: u32, place: &Place) -> [Vec3; 3] {
+        let mut sent = [Vec3::ZERO; 3];
+        if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
+            let height = level as f32 / self.fur.levels as f32 * self.fur.light_reach;
+            let view = (Vec3::from(self.frame.eye) - place.point(height, place.lambda)).normalize();
+            let normal = self.normal(place);
+            let coat = mean_albedo(self.coat, &self.columns[column as usize]);
+            let node = node_index(self.fur, column, level);
+            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                let mu = normal.dot(Vec3::from(light.direction));
+                let of_light = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
+                (0..3).for_each(|k| sent[k] += Vec3::from(light.irradiance) * of_light[k]);
+            }
+        }
+        sent
+    }
+
+    fn normal(&self, place: &Place) -> Vec3 {
+        let n = place.vertices.map(|v| Vec3::from(self.shell.vertices[v as usize].normal));
+        (place.lambda.x * n[0] + place.lambda.y * n[1] + place.lambda.z * n[2]).normalize()
+    }
+
+    /// The source at level `level` of a column that stands at `place`.
+    pub fn source(&self, column: u32, level: u32, place: &Place) -> Source {
+        let fur = self.fur;
+        let of_column = &self.columns[column as usize];
+        let height = level as f32 / fur.levels as f32 * fur.light_reach;
+        let t = height.min(1.0);
+        let x = place.point(height, place.lambda);
+        let tangent = (self.normal(place) + Vec3::from(fur.lean) * t).normalize();
+        let view = (Vec3::from(self.frame.eye) - x).normalize();
+        let albedo = unpack_albedo(of_column.color_root).lerp(unpack_albedo(of_column.color_tip), t);
+        let attenuation = 1.0 - fur.forward_scattering * albedo;
+        let node = node_index(fur, column, level);
+        let keys = &fur.key_lights[..fur.keys as usize];
+        let mut ambient = Vec3::ZERO;
+        for (j, light) in (0..fur.lights).zip(self.lights) {
+            if light.undercoat == 1 && !keys.contains(&j) {
+                let through = (-self.tau(node, j) * attenuation).exp();
+                let l = Vec3::from(light.direction);
+                ambient +=
+                    Vec3::from(light.irradiance) * through * scatter(self.coat, tangent, l, view, albedo);
+            }
+        }
+        let mut scattered = Vec3::ZERO;
+        match (self.multiple, self.table) {
+            (MultipleModel::Transport, Some(_)) => scattered = self.sent(column, level, place)[0],
+            (MultipleModel::Dual, Some(table)) => {
+                for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                    let l = Vec3::from(light.direction);
+                    let of_light =
+                        table.dual_scatter(Layer::Undercoat, albedo, tangent, l, view, self.tau(node, j));
+                    scattered += Vec3::from(light.irradiance) * of_light;
+                }
+            }
+            _ => {}
+        }
+        ambient += scattered / color(self.coat, albedo).max(Vec3::splat(1e-3));
+        let mut key_tau = [0.0; 2];
+        key_tau.iter_mut().zip(keys).for_each(|(tau, j)| *tau = self.tau(node, *j));
+        Source {
+            log_ambient: Vec3::from(ambient.max(Vec3::splat(1e-7)).to_array().map(f32::log2)),
+            density: of_column.density,
+            key_tau,
+            albedo,
+        }
+    }
+
+    /// Radiance of the skin below a column: Lambertian.
+    pub fn base_light(&self, column: u32, place: &Place) -> Vec3 {
+        let of_column = &self.columns[column as usize];
+        let normal = self.normal(place);
+        let attenuation = 1.0 - self.fur.forward_scattering * unpack_albedo(of_column.color_root);
+        let node = node_index(self.fur, column, 0);
+        let mut sum = Vec3::ZERO;
+        for (j, light) in (0..self.fur.lights).zip(self.lights) {
+            let facing = normal.dot(Vec3::from(light.direction)).max(0.0);
+            sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
+        }
+        if let Some(table) = self.table {
+            let field = self.field(node, normal, mean_albedo(self.coat, of_column));
+            sum += table.field_irradiance(&field);
+        }
+        sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
+    }
+}
+
+/// The coat's albedo in the mean.
+fn mean_albedo(coat: &Fibre, column: &Column) -> Vec3 {
+    let [a, b] = [column.color_root, column.color_tip].map(unpack_albedo);
+    mean_color(coat, a, b)
+}

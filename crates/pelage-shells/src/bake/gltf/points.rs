@@ -1,0 +1,231 @@
+//! The skin's vertices as a client draws them: one for each place in the textures, with the hair that grows there.
+
+use super::{Manifest, heights};
+use crate::lapped::Lapped;
+use crate::shellfin::Moment;
+use glam::{Vec2, Vec3};
+use pelage_core::maps::VERTEX_COLOR;
+use pelage_core::mesh::topology;
+use pelage_core::scene::{BakeSource, Color, Mapping, Scalar};
+use pelage_core::skin::NONE;
+use pelage_core::{Error, Result, World};
+use pelage_fur::groom;
+use pelage_fur::random::{hash2, random};
+use pelage_fur::surface;
+use std::collections::HashMap;
+
+/// A skin whose vertices are split where its textures are cut. Arrays are of one length, an element a vertex.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Clothed {
+    /// cm, world space.
+    pub positions: Vec<Vec3>,
+    /// Unit.
+    pub normals: Vec<Vec3>,
+    /// Directions in which upright hair stands, unit: the normals without what is finer than the fur is high.
+    pub upright: Vec<Vec3>,
+    /// The skin's own uv, v upwards; `None` where it has none.
+    pub skin_uv: Option<Vec<Vec2>>,
+    /// Place in the fur's textures, one unit a repeat.
+    pub fur_uv: Vec<Vec2>,
+    /// Colour of the bare skin, linear.
+    pub skin_colors: Vec<Vec3>,
+    /// Factor on the textures' colour.
+    pub fur_colors: Vec<Vec3>,
+    /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one lies) to the tip, relative to the
+    /// skin, cm. A shell at height s (0..1) passes through the curve's point at s, which is at s of the tip's height.
+    pub hairs: Vec<[Vec3; 3]>,
+    /// The vertex of the skin that each vertex was split from.
+    pub origin: Vec<u32>,
+    /// Faces, in the skin's order.
+    pub triangles: Vec<[u32; 3]>,
+}
+
+/// An edge on which a fin can stand.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct FinEdge {
+    /// Its vertices, in the direction of the face whose edge it is.
+    pub ends: [u32; 2],
+    /// The third vertex of that face, and of the neighbour: [`NONE`] at a boundary.
+    pub opposite: [u32; 2],
+    /// u of the fin texture at both ends.
+    pub u: [f32; 2],
+}
+
+/// Splits the skin's vertices so that each has one place in the textures, and evaluates hair and colours there.
+///
+/// # Errors
+/// [`Error::Check`]: see [`super::write`].
+pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clothed> {
+    let skin = &world.skin;
+    let by_uv = world.scene.shells.mapping == Mapping::Uv;
+    let own = if by_uv { crate::shellfin::uv_in_cm(skin) } else { None };
+    let corners = if by_uv { own.as_ref() } else { Some(&lapped.corner_uv) };
+    let corners = corners.ok_or_else(|| {
+        Error::Check(
+            "shells.mapping is \"uv\", and the mesh has no uv: use \"lapped\", or a mesh with uv".into(),
+        )
+    })?;
+    if corners.len() != skin.triangles.len() || skin.triangles.is_empty() {
+        return Err(Error::Check(format!(
+            "found patches for {} faces, expected those of a skin of {} faces, at least one",
+            corners.len(),
+            skin.triangles.len()
+        )));
+    }
+    let edges = manifest.patch;
+    let spacing = world.scene.shells.spacing.unwrap_or(manifest.spacing);
+    for (name, value) in [
+        ("patch", edges[0]),
+        ("patch", edges[1]),
+        ("fin_length", manifest.fin_length),
+        ("fin_depth", manifest.fin_depth),
+        ("spacing", spacing),
+        ("layers", manifest.layers as f32),
+    ] {
+        if !(value.is_finite() && value > 0.0) {
+            return Err(Error::Check(format!("manifest: found {name} = {value}, expected a number above 0")));
+        }
+    }
+    let height = spacing * manifest.layers as f32;
+    let curved = manifest.source == BakeSource::Hybrid;
+    let bend = Moment::at(world, 0.0, height).by_height(height);
+    // Those along which `pelage render --fur shells` raises the shells.
+    let upright = surface::shell_normals(skin, groom::pack(world)?.fur.height);
+    let kept = if curved { heights::kept(world, &upright)? } else { vec![1.0; upright.len()] };
+    let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
+    let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
+    for (t, triangle) in skin.triangles.iter().enumerate() {
+        let mut face = [0; 3];
+        for (k, v) in triangle.iter().enumerate() {
+            let fur_uv = corners[t][k] / Vec2::from(edges);
+            let uv = skin.corner_uv.as_ref().map(|uv| uv[t][k]);
+            let [a, b] = fur_uv.to_array().map(f32::to_bits);
+            let [c, d] = uv.unwrap_or_default().to_array().map(f32::to_bits);
+            let next = clothed.positions.len() as u32;
+            face[k] = *numbers.entry((*v, [a, b, c, d])).or_insert(next);
+            if face[k] != next {
+                continue;
+            }
+            let at = Point {
+                position: skin.positions[*v as usize],
+                normal: skin.normals[*v as usize],
+                upright: upright[*v as usize],
+                uv,
+                color: skin.colors[*v as usize],
+            };
+            let shells = &world.scene.shells;
+            let length = kept[*v as usize] * scalar(world, "shells.length", &shells.length, &at)?.max(0.0);
+            clothed.positions.push(at.position);
+            clothed.normals.push(at.normal);
+            clothed.upright.push(at.upright);
+            clothed.fur_uv.push(fur_uv);
+            clothed.skin_uv.as_mut().into_iter().for_each(|all| all.extend(uv));
+            clothed.skin_colors.push(color(world, "base.color", &world.scene.base.color, &at)?);
+            clothed.fur_colors.push(color(world, "shells.color", &shells.color, &at)?);
+            clothed.hairs.push(hair(world, curved, &at, bend)?.map(|p| height * length * p));
+            clothed.origin.push(*v);
+        }
+        clothed.triangles.push(face);
+    }
+    Ok(clothed)
+}
+
+/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by `bend`, that of the scene's steady forces.
+/// Where the textures are baked from the groom (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as
+/// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
+// As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
+fn hair(world: &World, curved: bool, at: &Point, bend: Vec3) -> Result<[Vec3; 3]> {
+    let (shells, guard) = (&world.scene.shells, &world.scene.guard);
+    let n = at.upright;
+    let strokes = shells.brushes.iter().map(|b| {
+        let d = at.position.distance(b.center.into()) / b.radius;
+        (1.0 - d * d).max(0.0).powi(2) * Vec3::from(b.direction)
+    });
+    let mut lean = Vec3::from(shells.comb) + strokes.sum::<Vec3>();
+    if curved {
+        let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
+        lean += comb * scalar(world, "guard.comb", &guard.comb, at)?;
+    }
+    lean -= n * n.dot(lean);
+    let mut points = [lean / 3.0, lean * (2.0 / 3.0), lean];
+    if curved {
+        let fall = Vec3::NEG_Y * guard.gravity;
+        let above = |p: Vec3| p - n * p.dot(n).min(0.0);
+        let p1 = (n + 0.5 * lean).normalize_or(n) / 3.0;
+        let p2 = above(p1 + (n + 0.9 * lean + 0.35 * fall).normalize_or(n) / 3.0);
+        let p3 = above(p2 + (n + 1.25 * lean + fall).normalize_or(n) / 3.0);
+        points = [p1, p2, p3].map(|p| (p - n * p.dot(n)) / p3.dot(n).max(0.25));
+    }
+    // The curve whose control points are at even heights is at even heights itself.
+    let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
+    // A bent hair keeps its length.
+    let bent = p3 + bend;
+    let p3 = bent * (p3.length() / bent.length().max(1e-4));
+    Ok([p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)])
+}
+
+/// All edges, once each (an edge of more than two faces once a face), in the order of faces. The place in the texture is random for
+/// each edge; its length there is the edge's.
+// [Lengyel2001] sec. 4.2
+pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEdge> {
+    let topology = topology::neighbours(&world.skin.triangles);
+    let mut edges = Vec::with_capacity(topology.edges);
+    for (t, (face, neighbours)) in clothed.triangles.iter().zip(&topology.neighbours).enumerate() {
+        for (k, other) in neighbours.iter().enumerate() {
+            if *other != NONE && (*other as usize) < t {
+                continue;
+            }
+            let ends = [face[(k + 1) % 3], face[(k + 2) % 3]];
+            let [a, b] = ends.map(|i| clothed.origin[i as usize]);
+            // The corner of the neighbour that is not on the edge.
+            let beyond = clothed
+                .triangles
+                .get(*other as usize)
+                .and_then(|f| f.iter().copied().find(|i| ![a, b].contains(&clothed.origin[*i as usize])));
+            let length = clothed.positions[ends[0] as usize].distance(clothed.positions[ends[1] as usize]);
+            let start = random(hash2(a, b), 0);
+            edges.push(FinEdge {
+                ends,
+                opposite: [face[k], beyond.unwrap_or(NONE)],
+                u: [start, start + length / fin_length],
+            });
+        }
+    }
+    edges
+}
+
+/// A point of the skin where parameters are read.
+pub(super) struct Point {
+    pub position: Vec3,
+    pub normal: Vec3,
+    /// Direction of upright hair, unit: the normal without what is finer than the fur is high.
+    pub upright: Vec3,
+    pub uv: Option<Vec2>,
+    pub color: Vec3,
+}
+
+pub(super) fn scalar(world: &World, key: &str, scalar: &Scalar, at: &Point) -> Result<f32> {
+    Ok(match scalar {
+        Scalar::Constant(value) => *value,
+        Scalar::Mapped(m) => m.value * lookup(world, key, &m.map, false, at)?[m.channel.index()] + m.offset,
+    })
+}
+
+fn color(world: &World, key: &str, color: &Color, at: &Point) -> Result<Vec3> {
+    Ok(match color {
+        Color::Constant(value) => Vec3::from(*value),
+        Color::Mapped(m) => {
+            let [r, g, b, _] = lookup(world, key, &m.map, true, at)?;
+            Vec3::from(m.value) * Vec3::new(r, g, b)
+        }
+    })
+}
+
+fn lookup(world: &World, key: &str, map: &str, color: bool, at: &Point) -> Result<[f32; 4]> {
+    if map == VERTEX_COLOR {
+        return Ok(at.color.extend(1.0).to_array());
+    }
+    let image = world.maps.index_of(map, color).and_then(|i| world.maps.images.get(i));
+    let image = image.ok_or_else(|| Error::Check(format!("{key}: the map \"{map}\" is not loaded")))?;
+    Ok(at.uv.map_or_else(|| image.triplanar(at.position, at.normal, 1.0), |uv| image.bilinear(uv)))
+}

@@ -1,0 +1,173 @@
+//! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and gravity are left out; the renderer bends
+//! the shells along the combed hair. But a combed hair rises less: here all are as high as they are on the mean of the skin, and thicker by
+//! as much, so that each covers what it did.
+
+use super::means::SkinSamples;
+use super::strand::{Fur, Hair, Knot};
+use super::torus::{ClumpCentres, even_root};
+use glam::{Vec2, Vec3};
+use pelage_core::scene::Guard;
+use pelage_fur::random::{hash2, random};
+use std::f32::consts::TAU;
+
+/// Guard hairs of a patch.
+pub(super) struct GuardFur<'a> {
+    guard: &'a Guard,
+    count: u32,
+    /// Hairs that each stands for.
+    weight: f32,
+    length: f32,
+    /// Height of a combed hair's tip by its length.
+    rise: f32,
+    thickness: f32,
+    clump: f32,
+    curl: f32,
+    frizz: f32,
+    color_root: Vec3,
+    color_tip: Vec3,
+    clumps: ClumpCentres,
+    seed: u32,
+}
+
+impl<'a> GuardFur<'a> {
+    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most` of them, each then standing for several.
+    pub fn new(guard: &'a Guard, means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
+        let seed = hash2(seed, 0x6775_6172);
+        let area = patch * patch;
+        let length = means.scalar(&guard.length);
+        let wanted = if length > 0.0 { means.scalar(&guard.density) * area } else { 0.0 };
+        let (count, weight) = whole(wanted, most);
+        Self {
+            guard,
+            count,
+            weight,
+            length,
+            rise: rise(guard, means),
+            thickness: means.scalar(&guard.thickness),
+            clump: means.scalar(&guard.clump).min(1.0),
+            curl: means.scalar(&guard.curl),
+            frizz: means.scalar(&guard.frizz),
+            color_root: means.color(&guard.color_root),
+            color_tip: means.color(&guard.color_tip),
+            clumps: ClumpCentres::new(guard.clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
+            seed,
+        }
+    }
+
+    /// Height below which `part` of the hairs' length x diameter lies, cm; 0 without hair.
+    pub fn height_of(&self, part: f64) -> f32 {
+        const BINS: usize = 1024;
+        // A curl may rise a little above the length's end.
+        let top = (self.length * 1.25).max(1e-6);
+        let mut area = vec![0.0f64; BINS];
+        for i in 0..self.count {
+            for pair in self.hair(i).knots.windows(2) {
+                let [a, b] = [pair[0], pair[1]];
+                for k in 0..8 {
+                    let x = (k as f32 + 0.5) / 8.0;
+                    let z = a.offset.z + (b.offset.z - a.offset.z) * x;
+                    let amount = (b.offset - a.offset).length()
+                        * (a.diameter * a.opacity * (1.0 - x) + b.diameter * b.opacity * x);
+                    area[((z / top * BINS as f32).max(0.0) as usize).min(BINS - 1)] += f64::from(amount);
+                }
+            }
+        }
+        let wanted = part * area.iter().sum::<f64>();
+        let mut sum = 0.0;
+        let last = area.iter().position(|a| {
+            sum += a;
+            sum > 0.0 && sum >= wanted
+        });
+        last.map_or(0.0, |bin| top * (bin + 1) as f32 / BINS as f32)
+    }
+}
+
+/// Height of the tip of a hair of length 1 that is combed and bent as `guard` says, on the mean of the skin.
+fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
+    let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(&guard.comb);
+    let fall = Vec3::NEG_Y * guard.gravity;
+    let mean = means.over_normals(|n| {
+        let lean = comb.reject_from_normalized(n);
+        let up = |k: f32, fall: Vec3| (n + k * lean + fall).normalize_or(n).dot(n);
+        // No control point of the shader's curve lies below the skin.
+        ((up(0.5, Vec3::ZERO) + up(0.9, 0.35 * fall)).max(0.0) + up(1.25, fall)).max(0.0) / 3.0
+    });
+    mean.clamp(0.1, 1.0)
+}
+
+/// A whole number of hairs and how many of the wanted each stands for.
+pub(super) fn whole(wanted: f32, most: u32) -> (u32, f32) {
+    if wanted <= 0.0 {
+        return (0, 0.0);
+    }
+    let count = (wanted.round() as u32).clamp(1, most.max(1));
+    (count, wanted / count as f32)
+}
+
+impl Fur for GuardFur<'_> {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn root(&self, i: u32) -> [f32; 2] {
+        even_root(self.seed, i, self.count)
+    }
+
+    fn hair(&self, i: u32) -> Hair {
+        let g = self.guard;
+        let seed = hash2(hash2(self.seed, 2), i);
+        let root = self.root(i);
+        let length = self.length * (1.0 - g.length_variation * random(seed, 0));
+        // Rayleigh distributed, as in the shader.
+        let spread = g.spread.to_radians().tan() * (-2.0 * (1.0 - random(seed, 1)).ln()).sqrt();
+        let lean = (spread * Vec2::from_angle(TAU * random(seed, 2))).extend(0.0);
+        let leg = |k: f32| (Vec3::Z + k * lean).normalize() * (length / 3.0);
+        let p1 = leg(0.5);
+        let p2 = p1 + leg(0.9);
+        let p3 = p2 + leg(1.25);
+        let pull = if self.clump > 0.0 { self.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
+        let phase = TAU * random(seed, 3);
+        let tone = 1.0 + g.color_variation * (2.0 * random(seed, 6) - 1.0);
+        // The curve itself, not its tessellation: frizz of many bends would show corners in the fin.
+        let segments = g.segments.max(32);
+        let knots = (0..=segments)
+            .map(|k| {
+                let s = k as f32 / segments as f32;
+                let r = 1.0 - s;
+                let bezier = 3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3;
+                let turn = phase + TAU * g.curl_frequency * length * s;
+                let curl = Vec2::from_angle(turn) - Vec2::from_angle(phase);
+                let wave = [(4, 1.0), (5, 1.37)]
+                    .map(|(k, f)| (TAU * random(seed, k) + TAU * g.frizz_frequency * length * s * f).sin());
+                let across = pull * (s * s) + self.curl * s * curl + self.frizz * s * Vec2::from(wave);
+                Knot {
+                    offset: bezier * Vec3::new(1.0, 1.0, self.rise) + across.extend(0.0),
+                    diameter: self.thickness * diameter(g, s) * 1e-4 / self.rise,
+                    opacity: self.weight * g.opacity * (-g.tip_fade * s).exp(),
+                    color: self.color(s, tone),
+                }
+            })
+            .collect();
+        Hair { root, knots, guard: true }
+    }
+}
+
+impl GuardFur<'_> {
+    fn color(&self, s: f32, tone: f32) -> Vec3 {
+        let [middle, width] = self.guard.color_transition;
+        let x = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
+        let blend = x * x * (3.0 - 2.0 * x);
+        (self.color_root.lerp(self.color_tip, blend) * tone).clamp(Vec3::ZERO, Vec3::ONE)
+    }
+}
+
+/// Diameter at `s` (0 root, 1 tip), µm: the shader's profile.
+fn diameter(guard: &Guard, s: f32) -> f32 {
+    let [root, widest, tip] = guard.diameter;
+    if s < guard.widest {
+        let x = s / guard.widest.max(1e-3);
+        return root + (widest - root) * (x * x * (3.0 - 2.0 * x));
+    }
+    let x = (s - guard.widest) / (1.0 - guard.widest).max(1e-3);
+    widest + (tip - widest) * x * x
+}

@@ -1,0 +1,82 @@
+//! The scene's groom on a torus: guard hairs and undercoat.
+
+use super::guard::GuardFur;
+use super::means::SkinSamples;
+use super::strand::{Fur, Hair};
+use super::undercoat::UndercoatFur;
+use glam::Vec3;
+use pelage_core::scene::Fur as FurLayers;
+use pelage_core::{Error, Result, World};
+
+/// Hairs of a kind that are grown for each texel of a layer, at most; where the patch has more, each stands for several.
+const HAIRS_A_TEXEL: u32 = 8;
+
+/// Part of the guard hairs' length x diameter that the height holds where none is given: the longest thin tips stay out.
+const WITHIN: f64 = 0.99;
+
+/// Both kinds of hair of a groom, guard hairs first.
+pub(super) struct HybridFur<'a> {
+    guard: Option<GuardFur<'a>>,
+    coat: Option<UndercoatFur<'a>>,
+}
+
+impl<'a> HybridFur<'a> {
+    /// The fur of `world`, as far as `render.fur` has it drawn, on a torus of `patch` cm.
+    pub fn new(world: &'a World, patch: f32) -> Result<Self> {
+        let scene = &world.scene;
+        let means = SkinSamples::new(world);
+        let seed = scene.render.seed;
+        let texels = scene.bake.resolution.iter().fold(1u32, |n, r| n.saturating_mul(*r));
+        let most = texels.saturating_mul(HAIRS_A_TEXEL).clamp(65_536, 1_000_000);
+        let combed = Vec3::from(scene.guard.comb_direction).length_squared() > 0.0;
+        let guard = (scene.render.fur != FurLayers::Implicit)
+            .then(|| GuardFur::new(&scene.guard, &means, patch, seed, most))
+            .filter(|g| g.count() > 0);
+        let coat = (scene.render.fur != FurLayers::Explicit)
+            .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, most))
+            .filter(|c| c.count() > 0);
+        if guard.is_none() && coat.is_none() {
+            let message = "there is no hair to bake: guard hairs and undercoat have no density, no length or are not drawn (render.fur)";
+            return Err(Error::fault("bake.source = \"hybrid\"", message));
+        }
+        Ok(Self { guard, coat })
+    }
+
+    /// Height that holds the undercoat and all but the tips of the guard hairs, cm.
+    pub fn height(&self) -> f32 {
+        let coat = self.coat.as_ref().map_or(0.0, |c| c.height);
+        self.guard.as_ref().map_or(0.0, |g| g.height_of(WITHIN)).max(coat)
+    }
+
+    fn guards(&self) -> u32 {
+        self.guard.as_ref().map_or(0, Fur::count)
+    }
+
+    fn pick<T>(
+        &self,
+        i: u32,
+        guard: impl Fn(&GuardFur, u32) -> T,
+        coat: impl Fn(&UndercoatFur, u32) -> T,
+    ) -> Option<T> {
+        match (&self.guard, &self.coat) {
+            (Some(g), _) if i < g.count() => Some(guard(g, i)),
+            (_, Some(c)) => Some(coat(c, i - self.guards())),
+            _ => None,
+        }
+    }
+}
+
+impl Fur for HybridFur<'_> {
+    fn count(&self) -> u32 {
+        self.guards() + self.coat.as_ref().map_or(0, Fur::count)
+    }
+
+    fn hair(&self, i: u32) -> Hair {
+        let none = Hair { root: [0.0; 2], knots: Vec::new(), guard: false };
+        self.pick(i, |g, k| g.hair(k), |c, k| c.hair(k)).unwrap_or(none)
+    }
+
+    fn root(&self, i: u32) -> [f32; 2] {
+        self.pick(i, |g, k| g.root(k), |c, k| c.root(k)).unwrap_or_default()
+    }
+}

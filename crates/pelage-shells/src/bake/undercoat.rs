@@ -1,0 +1,174 @@
+//! The groom's undercoat on a torus, realised as hairs: so many, so thick and as uneven as `shaders/shared/clumps.wgsl` makes the volume.
+//!
+//! Hairs stand denser where the noise is high, end where the volume's noise lets it end, and bend to and fro as its tangents do. What
+//! light meets along the way is the volume's: hairs/cm² times diameter, whatever the bends.
+
+use super::guard::whole;
+use super::means::SkinSamples;
+use super::strand::{Fur, Hair, Knot};
+use super::torus::PeriodicNoise;
+use glam::{Vec2, Vec3};
+use pelage_core::scene::{NoiseDomain, Undercoat};
+use pelage_fur::random::{hash2, random, random_direction};
+
+/// Knots of a hair after its root.
+const SEGMENTS: u32 = 9;
+
+/// Change of brightness from hair to hair.
+const TONE: f32 = 0.2;
+
+/// Candidates for a root before the last one is taken.
+const ATTEMPTS: u32 = 64;
+
+/// Undercoat of a patch.
+pub(super) struct UndercoatFur<'a> {
+    coat: &'a Undercoat,
+    count: u32,
+    /// Hairs that each stands for.
+    weight: f32,
+    /// Height of the volume, cm.
+    pub height: f32,
+    patch: f32,
+    color_root: Vec3,
+    color_tip: Vec3,
+    clumps: PeriodicNoise,
+    locks: PeriodicNoise,
+    swells: PeriodicNoise,
+    seed: u32,
+}
+
+impl<'a> UndercoatFur<'a> {
+    /// The undercoat of `coat` on a torus of `patch` cm; at most `most` hairs, each then standing for several. `combed` stretches the
+    /// noise along u as the volume's is along its lean.
+    pub fn new(
+        coat: &'a Undercoat,
+        means: &SkinSamples,
+        patch: f32,
+        combed: bool,
+        seed: u32,
+        most: u32,
+    ) -> Self {
+        let height = means.scalar(&coat.height);
+        let wanted = if height > 0.0 { means.scalar(&coat.density) * patch * patch } else { 0.0 };
+        let (count, weight) = whole(wanted, most);
+        // Frequencies in the domain of uv are per unit of uv.
+        let unit = match coat.noise_domain {
+            NoiseDomain::Uv => means.uv_unit().unwrap_or(1.0),
+            NoiseDomain::Object => 1.0,
+        };
+        let stretch = if combed && coat.lean > 0.0 { 0.35 } else { 1.0 };
+        let periods = |frequency: f32, stretch: f32| {
+            let n = (frequency * patch / unit).min(1e4);
+            [n * stretch, n]
+        };
+        Self {
+            coat,
+            count,
+            weight,
+            height,
+            patch,
+            color_root: means.color(&coat.color_root),
+            color_tip: means.color(&coat.color_tip),
+            clumps: PeriodicNoise::new(seed, periods(coat.noise_frequency, stretch), 0.0),
+            locks: PeriodicNoise::new(seed, periods(2.6 * coat.noise_frequency, stretch), 5.1),
+            swells: PeriodicNoise::new(seed, periods(coat.height_frequency, 1.0), 17.3),
+            seed: hash2(seed, 0x756e_6465),
+        }
+    }
+
+    /// The volume's factor for clumps at height `t` above a place (1 the edges of the torus).
+    fn clump(&self, at: Vec2, t: f32) -> f32 {
+        let contrast = self.coat.noise_contrast * (0.35 + 0.65 * t);
+        1.0 + contrast * (0.5 * self.clumps.at(at) + 0.6 * self.locks.at(at))
+    }
+}
+
+/// Height within the hair's part of the volume where hairs are densest against one another: roots are drawn for the clumps there.
+const MIDDLE: f32 = 0.5;
+
+impl Fur for UndercoatFur<'_> {
+    fn count(&self) -> u32 {
+        self.count
+    }
+
+    fn root(&self, i: u32) -> [f32; 2] {
+        let seed = hash2(self.seed, i);
+        let mut at = Vec2::ZERO;
+        for k in 0..ATTEMPTS {
+            at = Vec2::new(random(seed, 3 * k + 100), random(seed, 3 * k + 101));
+            // The noise stays within about one, the factor so below 1 + 0.675 x 1.1 of the contrast.
+            if random(seed, 3 * k + 102) * (1.0 + 0.75 * self.coat.noise_contrast) < self.clump(at, MIDDLE) {
+                break;
+            }
+        }
+        at.to_array()
+    }
+
+    fn hair(&self, i: u32) -> Hair {
+        let coat = self.coat;
+        let seed = hash2(self.seed, i);
+        let root = self.root(i);
+        let at = Vec2::from(root);
+        // Shares of the hairs that have ended, drawn evenly: the volume thins out as the hairs end one after the other.
+        let ended = (0.618_034 * f64::from(i) + f64::from(random(self.seed, 0))).fract() as f32;
+        let top = 1.0 - coat.height_variation * (0.5 + 0.3 * self.swells.at(at) + 0.2 * self.locks.at(at));
+        let end = (top - 0.25 + 0.27 * inverse_smoothstep(ended)).clamp(0.02, 1.0);
+        let height = end * self.height;
+        let jitter = 2.0 * Vec2::new(random(seed, 0), random(seed, 1)) - 1.0;
+        let turns = [0, 1, 2].map(|k| random_direction(seed, 10 + 2 * k));
+        let ratio = coat.diameter[1] / coat.diameter[0].max(1e-6);
+        let middle = self.clump(at, MIDDLE).max(1e-3);
+        // DEVIATION: the volume has one colour at a height. Hairs of one colour are fog where they are dense, so that they differ here, by as
+        // much as leaves the mean.
+        let brightest = self.color_root.max(self.color_tip).max_element().max(1e-3);
+        let tone = 1.0 + TONE.min((1.0 / brightest - 1.0).max(0.0)) * (2.0 * random(seed, 2) - 1.0);
+        let mut offset = Vec3::ZERO;
+        let mut length = 0.0;
+        let mut knots: Vec<Knot> = (0..=SEGMENTS)
+            .map(|k| {
+                let s = k as f32 / SEGMENTS as f32;
+                let t = s * end;
+                let growth = t.powf(coat.jitter_exponent);
+                if k > 0 {
+                    // The direction wanders through three random turns.
+                    let x = 2.0 * s;
+                    let turn =
+                        if x < 1.0 { turns[0].lerp(turns[1], x) } else { turns[1].lerp(turns[2], x - 1.0) };
+                    let d = Vec3::Z + coat.tangent_jitter * growth * turn;
+                    let step = (d / d.z.max(0.3)).truncate().extend(1.0) * (height / SEGMENTS as f32);
+                    length += step.length();
+                    offset += step;
+                }
+                let clump = self.clump(at + coat.uv_jitter * growth * jitter / self.patch, t).max(0.0);
+                Knot {
+                    offset,
+                    diameter: coat.diameter[0] * (1.0 + (ratio - 1.0) * t) * 1e-4,
+                    opacity: self.weight * clump / middle,
+                    color: self.color_root.lerp(self.color_tip, t) * tone,
+                }
+            })
+            .collect();
+        // Bends make a hair longer, not the volume thicker.
+        let straight = if length > 0.0 { height / length } else { 1.0 };
+        knots.iter_mut().for_each(|k| k.opacity *= straight);
+        Hair { root, knots, guard: false }
+    }
+}
+
+/// The inverse of x² (3 - 2x) on 0..1.
+fn inverse_smoothstep(y: f32) -> f32 {
+    0.5 - ((1.0 - 2.0 * y.clamp(0.0, 1.0)).asin() / 3.0).sin()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::inverse_smoothstep;
+
+    #[test]
+    fn smoothstep_is_undone() {
+        for i in 0..=20 {
+            let x = i as f32 / 20.0;
+            assert!((inverse_smoothstep(x * x * (3.0 - 2.0 * x)) - x).abs() < 1e-3, "{x}");
+        }
+    }
+}

@@ -1,0 +1,49 @@
+//! Rendering any scene: hybrid fur, or shells and fins where `render.fur` says so.
+
+use crate::shellfin;
+use pelage_core::scene::Fur;
+use pelage_core::{Result, World};
+use pelage_gpu::Gpu;
+use pelage_render::driver::Run;
+use pelage_render::{Frame, RenderOptions, drive, drive_on};
+
+/// Renders `world` on the adapter chosen by the environment (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF).
+///
+/// A device that is lost is opened again once, and the rendering goes on with the tile that was lost. If that fails
+/// too, the frame holds the tiles that are done, and the fault.
+///
+/// # Errors
+/// [`Error::Adapter`](pelage_core::Error::Adapter) without a sufficient adapter,
+/// [`Error::OutOfMemory`](pelage_core::Error::OutOfMemory) if even the smallest tile does not fit,
+/// [`Error::DeviceLost`](pelage_core::Error::DeviceLost) before the first tile is done,
+/// [`Error::Gpu`](pelage_core::Error::Gpu).
+pub fn render(world: &World, options: &RenderOptions<'_>) -> Result<Frame> {
+    render_with(&pelage_render::open, world, options)
+}
+
+/// Renders `world` on a device that `open` opens; it is called again if that one is lost.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_with(
+    open: &dyn Fn() -> Result<Gpu>,
+    world: &World,
+    options: &RenderOptions<'_>,
+) -> Result<Frame> {
+    drive(open, world, options, run_of(world))
+}
+
+/// Renders `world` on an open device; if it is lost, the frame holds the tiles that are done, and the fault.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<Frame> {
+    drive_on(gpu, world, options, run_of(world))
+}
+
+fn run_of(world: &World) -> &'static Run {
+    match world.scene.render.fur {
+        Fur::Shells => &shellfin::run,
+        Fur::Base | Fur::Explicit | Fur::Implicit | Fur::Hybrid => &pelage_render::run,
+    }
+}

@@ -1,0 +1,84 @@
+//! The skin as shells and fins read it: corners with their place in the texture, and edges with both faces.
+
+use crate::lapped::Lapped;
+use glam::Vec2;
+use pelage_core::Skin;
+use pelage_core::skin::NONE;
+use pelage_fur::layout::{FinEdge, FurCorner};
+use std::collections::BTreeMap;
+
+/// Three corners a triangle: vertex, place on the patch (cm), the skin's own uv.
+pub fn corners(skin: &Skin, corner_uv: &[[Vec2; 3]]) -> Vec<FurCorner> {
+    corner_uv.iter().enumerate().flat_map(|(t, uv)| corners_of(skin, t, uv, NONE)).collect()
+}
+
+/// Patches that overlap, as shells draw them.
+#[derive(Debug, Clone, Default)]
+pub struct Overlapping {
+    /// In the order of pasting: a triangle's corners once for each patch that touches it.
+    pub corners: Vec<FurCorner>,
+    /// The outlines of all patches, one after the other: cm, around the origin of the patch's uv.
+    pub outlines: Vec<Vec2>,
+    /// Points of an outline.
+    pub points: u32,
+}
+
+impl Overlapping {
+    /// Of a skin on which patches overlap.
+    pub fn new(skin: &Skin, lapped: &Lapped) -> Self {
+        let corners = (0_u32..).zip(&lapped.patches).flat_map(|(number, patch)| {
+            let faces = patch.faces.iter().zip(&patch.corner_uv);
+            faces.flat_map(move |(t, uv)| corners_of(skin, *t as usize, uv, number))
+        });
+        let corners = corners.collect();
+        let points = lapped.patches.first().map_or(0, |patch| patch.outline.len() as u32);
+        let outlines = lapped.patches.iter().flat_map(|patch| patch.outline.iter().copied()).collect();
+        Self { corners, outlines, points }
+    }
+}
+
+fn corners_of(skin: &Skin, t: usize, uv: &[Vec2; 3], patch: u32) -> [FurCorner; 3] {
+    let own = |k: usize| skin.corner_uv.as_ref().map_or(Vec2::ZERO, |uv| uv[t][k]);
+    [0, 1, 2].map(|k| FurCorner {
+        vertex: skin.triangles[t][k],
+        patch_index: patch,
+        uv: uv[k].into(),
+        skin_uv: own(k).into(),
+    })
+}
+
+/// Every edge once, with the third vertices of the faces on its two sides: the face in which it runs from a to b, then
+/// the other, or [`NONE`] at a border. Of more than two faces at an edge the first two count.
+// [Tariq2007]: four vertices an edge, as a line with adjacency
+pub fn edges(skin: &Skin) -> Vec<FinEdge> {
+    let mut found: BTreeMap<(u32, u32), FinEdge> = BTreeMap::new();
+    for triangle in &skin.triangles {
+        for k in 0..3 {
+            let (a, b, opposite) = (triangle[k], triangle[(k + 1) % 3], triangle[(k + 2) % 3]);
+            found
+                .entry((a.min(b), a.max(b)))
+                .and_modify(|edge| {
+                    if edge.opposite[1] == NONE {
+                        edge.opposite[1] = opposite;
+                    }
+                })
+                .or_insert(FinEdge { a, b, opposite: [opposite, NONE] });
+        }
+    }
+    found.into_values().collect()
+}
+
+/// The skin's own uv, scaled so that one unit is one centimetre on the average of the area; `None` without uv.
+pub fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
+    let uv = skin.corner_uv.as_ref()?;
+    let flat: f64 = uv.iter().map(|[a, b, c]| f64::from((*b - *a).perp_dot(*c - *a).abs()) * 0.5).sum();
+    let scale = (skin.area() / flat.max(1e-12)).sqrt() as f32;
+    Some(uv.iter().map(|corners| corners.map(|p| p * scale)).collect())
+}
+
+/// Mean length of the edges, cm.
+pub fn mean_edge(skin: &Skin, edges: &[FinEdge]) -> f32 {
+    let at = |v: u32| skin.positions[v as usize];
+    let sum: f64 = edges.iter().map(|e| f64::from(at(e.a).distance(at(e.b)))).sum();
+    (sum / edges.len().max(1) as f64) as f32
+}

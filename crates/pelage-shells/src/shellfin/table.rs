@@ -1,0 +1,23 @@
+//! Hair lighting as a table.
+
+use pelage_core::scene::LightingTable;
+
+/// Edge of the table.
+pub const EDGE: usize = 32;
+
+/// Light that a hair sends to the eye, times its colour and the light's irradiance; `u` = T·L, `v` = T·H.
+// [Lengyel2001] sec. 4.4; [Banks1994]
+pub fn hair_lighting(t: &LightingTable, u: f32, v: f32) -> f32 {
+    let lobe = |x: f32, exponent: f32| (1.0 - x * x).max(0.0).powf(0.5 * exponent);
+    t.ambient + t.diffuse * lobe(u, t.diffuse_exponent) + t.specular * lobe(v, t.specular_exponent)
+}
+
+/// The 32 x 32 table, u along rows from -1 to 1, v upwards, four values a vector as the shader reads it.
+pub fn lighting_table(t: &LightingTable) -> [[f32; 4]; EDGE * EDGE / 4] {
+    let at = |i: usize| 2.0 * i as f32 / (EDGE - 1) as f32 - 1.0;
+    let mut values = [[0.0; 4]; EDGE * EDGE / 4];
+    for i in 0..EDGE * EDGE {
+        values[i / 4][i % 4] = hair_lighting(t, at(i % EDGE), at(i / EDGE));
+    }
+    values
+}

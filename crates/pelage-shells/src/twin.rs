@@ -1,0 +1,4 @@
+//! CPU twins of the passes of shells and fins.
+
+pub mod shellfin_raster;
+pub mod shellfin_rows;

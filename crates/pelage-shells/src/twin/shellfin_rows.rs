@@ -1,0 +1,216 @@
+//! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the skin, and how it is lit there.
+
+use crate::shellfin::hair_lighting;
+use glam::{Vec2, Vec3};
+use pelage_core::scene::LightingTable;
+use pelage_fur::fibre::table::MEAN_GLINT;
+use pelage_fur::fibre::{Angles, Fibre, Hit};
+use pelage_fur::layout::{Brush, Frame, Fur, Light, ShellRow, ShellVertex, Shellfin};
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint, unpack_color};
+use pelage_fur::undercoat::scatter;
+use pelage_render::twin::film::halves;
+use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
+
+/// What the pass reads.
+pub struct Hair<'a> {
+    /// What is drawn.
+    pub shellfin: &'a Shellfin,
+    /// Undercoat and lattice.
+    pub fur: &'a Fur,
+    /// Groom and maps.
+    pub maps: Maps<'a>,
+    /// All lights.
+    pub lights: &'a [Light],
+    /// Scattering of guard hairs.
+    pub fibre: &'a Fibre,
+    /// Scattering of the undercoat.
+    pub coat: &'a Fibre,
+    /// Lighting by table.
+    pub table: &'a LightingTable,
+    /// The skin's vertices.
+    pub vertices: &'a [ShellVertex],
+    /// Their uv.
+    pub uv: &'a [[f32; 2]],
+    /// Optical depths, pairs of halves.
+    pub tau: &'a [u32],
+    /// Brush strokes.
+    pub brushes: &'a [Brush],
+    /// The view.
+    pub frame: &'a Frame,
+}
+
+/// A vertex of a row.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct RowVertex {
+    /// cm.
+    pub position: Vec3,
+    /// Of the hair, unit.
+    pub tangent: Vec3,
+    /// Of what is not guard hair, unit.
+    pub lean: Vec3,
+    /// Radiance by colour of what is not guard hair.
+    pub undercoat: Vec3,
+    /// Radiance by colour of the guard hairs.
+    pub guard: Vec3,
+}
+
+impl Hair<'_> {
+    fn point(&self, v: usize) -> SkinPoint {
+        let vertex = &self.vertices[v];
+        SkinPoint {
+            position: vertex.position.into(),
+            normal: vertex.normal.into(),
+            uv: Vec2::from(self.uv[v]),
+            color: unpack_color(vertex.color),
+        }
+    }
+
+    /// The brushes' factor on the light of vertex `v`.
+    fn tint(&self, v: usize) -> Vec3 {
+        let at = self.point(v).position;
+        let strokes = self.brushes[..self.shellfin.brushes as usize].iter();
+        strokes.fold(Vec3::ONE, |tint, brush| {
+            let d = at.distance(brush.center.into()) / brush.radius;
+            tint * Vec3::ONE.lerp(brush.tint.into(), (1.0 - d * d).max(0.0).powi(2))
+        })
+    }
+
+    /// Tangent of the lean of vertex `v`'s hair, tangential.
+    pub fn lean(&self, v: usize) -> Vec3 {
+        let at = self.point(v);
+        let mut lean = Vec3::from(self.shellfin.comb);
+        if self.shellfin.curved == 1 {
+            lean += Vec3::from(self.maps.groom.comb_direction) * self.maps.scalar(Parameter::GuardComb, &at);
+        }
+        for brush in &self.brushes[..self.shellfin.brushes as usize] {
+            let d = at.position.distance(brush.center.into()) / brush.radius;
+            lean += (1.0 - d * d).max(0.0).powi(2) * Vec3::from(brush.direction);
+        }
+        lean.reject_from_normalized(at.normal)
+    }
+
+    /// Where the hair is at row height `s`, relative to its root, by the height of the fur.
+    fn hair(&self, v: usize, s: f32) -> Vec3 {
+        let n = Vec3::from(self.vertices[v].normal);
+        let lean = self.lean(v);
+        let mut p = s * (n + lean);
+        if self.shellfin.curved == 1 {
+            let fall = Vec3::NEG_Y * self.maps.groom.gravity;
+            let e1 = (n + 0.5 * lean).normalize();
+            let e2 = (n + 0.9 * lean + 0.35 * fall).normalize();
+            let e3 = (n + 1.25 * lean + fall).normalize();
+            let above = |p: Vec3| p - n * p.dot(n).min(0.0);
+            let p1 = e1 / 3.0;
+            let (p2, p3) = (p1 + e2 / 3.0, p1 + e2 / 3.0 + e3 / 3.0);
+            // The shader lifts the second point before it adds the third.
+            let p3 = above(above(p2) + (p3 - p2));
+            let p2 = above(p2);
+            let r = 1.0 - s;
+            let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s.powi(3) * p3) / p3.dot(n).max(0.25);
+            p = b.reject_from_normalized(n) + s * n;
+        }
+        let long = p.length();
+        p += Vec3::from(self.shellfin.bend) * s.powi(3);
+        p *= long / p.length().max(1e-4);
+        p + n * (0.1 * s - p.dot(n)).max(0.0)
+    }
+
+    fn tau(&self, v: usize, height: f32, light: u32) -> f32 {
+        let fur = self.fur;
+        let x = (height / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
+        let level = (x as u32).min(fur.levels - 1);
+        let at = |level: u32| {
+            let node = v as u32 * (fur.levels + 1) + level;
+            halves(self.tau[(node * fur.tau_stride + light / 2) as usize])[light as usize & 1]
+        };
+        let f = x - level as f32;
+        at(level) * (1.0 - f) + at(level + 1) * f
+    }
+
+    /// The hair of vertex `v` at a row.
+    pub fn vertex(&self, v: usize, row: &ShellRow) -> RowVertex {
+        let at = self.point(v);
+        let n = at.normal;
+        let mut length = self.shellfin.height * self.maps.scalar(Parameter::ShellLength, &at).max(0.0);
+        if self.shellfin.curved == 1 {
+            let whole = self.maps.scalar(Parameter::UndercoatHeight, &at).max(1e-4);
+            length *= (self.vertices[v].height / whole).clamp(0.0, 1.0);
+        }
+        let offset = self.hair(v, row.height) * length;
+        let position = at.position + offset;
+        let along = self.hair(v, row.height + 0.02) - self.hair(v, (row.height - 0.02).max(0.0));
+        let tangent = along.normalize();
+        let view = (Vec3::from(self.frame.eye) - position).normalize();
+        let lights = self.lights.iter().take(self.fur.lights as usize);
+        let (mut undercoat, mut guard) = (Vec3::ZERO, Vec3::ZERO);
+        let height = offset.dot(n) / self.vertices[v].height.max(1e-4);
+        let lean = match self.shellfin.curved {
+            1 => (n + Vec3::from(self.fur.lean) * height.min(1.0)).normalize(),
+            _ => tangent,
+        };
+        if self.shellfin.lighting == 1 {
+            for light in lights {
+                let l = Vec3::from(light.direction);
+                let h = (l + view).normalize();
+                undercoat += Vec3::from(light.irradiance)
+                    * hair_lighting(self.table, tangent.dot(l), tangent.dot(h))
+                    * row.shade;
+            }
+            undercoat *= self.tint(v);
+            return RowVertex { position, tangent, lean, undercoat, guard: undercoat };
+        }
+        let aside = if tangent.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
+        let side = tangent.cross(aside).normalize();
+        let other = tangent.cross(side);
+        for (j, light) in lights.enumerate() {
+            let l = Vec3::from(light.direction);
+            let depth = self.tau(v, height, j as u32);
+            let through = |color: [f32; 3]| {
+                let attenuation = 1.0 - self.fur.forward_scattering * Vec3::from(color);
+                Vec3::from(light.irradiance) * (-depth * attenuation).exp()
+            };
+            if light.undercoat == 1 {
+                undercoat += through(row.undercoat) * scatter(self.coat, lean, l, view, row.undercoat.into());
+            }
+            if self.shellfin.guard == 1 {
+                for k in 0..4 {
+                    let turn = FRAC_PI_4 + FRAC_PI_2 * k as f32;
+                    let away = turn.cos() * side + turn.sin() * other;
+                    let t = (tangent + 1.25 * self.shellfin.spread * away).normalize();
+                    let scattered = self.fibre.scatter_far(
+                        &Hit { tint: row.guard.into(), glint_angle: MEAN_GLINT, h: 0.0 },
+                        &Angles::around(t, l, view),
+                    );
+                    guard += 0.25 * through(row.guard) * scattered;
+                }
+            }
+        }
+        let guard = guard / Vec3::from(row.guard).max(Vec3::splat(1e-3));
+        if !matches!(self.coat, Fibre::KajiyaKay(_)) {
+            undercoat /= Vec3::from(row.undercoat).max(Vec3::splat(1e-3));
+        }
+        let tint = self.tint(v);
+        RowVertex { position, tangent, lean, undercoat: undercoat * tint, guard: guard * tint }
+    }
+}
+
+/// A vertex as the buffers hold it.
+pub fn unpack(position: [f32; 4], light: [u32; 4]) -> RowVertex {
+    let [x, y, z, tangent] = position;
+    let [r, g] = halves(light[0]);
+    let [b, guard_r] = halves(light[1]);
+    let [guard_g, guard_b] = halves(light[2]);
+    RowVertex {
+        position: Vec3::new(x, y, z),
+        tangent: unit(tangent.to_bits()),
+        lean: unit(light[3]),
+        undercoat: Vec3::new(r, g, b),
+        guard: Vec3::new(guard_r, guard_g, guard_b),
+    }
+}
+
+/// A unit vector in two halves of a word.
+fn unit(word: u32) -> Vec3 {
+    let halves = [word as u16, (word >> 16) as u16].map(|half| (f32::from(half as i16) / 32767.0).max(-1.0));
+    pelage_fur::octahedral::decode(Vec2::from(halves))
+}

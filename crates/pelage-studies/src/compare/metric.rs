@@ -1,0 +1,236 @@
+//! The metrics over a region, their names and their limits.
+
+use super::{OCTAVES, Pair, RELATIVE_FLOOR, finite, rgb, spectrum::Octaves};
+use pelage_core::film::tonemap::luminance;
+use serde::Serialize;
+
+/// Differences over the pixels of a region. Colours are exposed, linear, premultiplied `R G B`.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Metrics {
+    /// Pixels of the region that are finite in both images.
+    pub pixels: u64,
+    /// Root of the mean squared difference over pixels and channels.
+    pub rmse: f64,
+    /// Mean of `(I - R)² / (R² + 0.01)` over pixels and channels.
+    // [Rousselle2011]
+    pub relative_mse: f64,
+    /// Peak signal-to-noise ratio of the sRGB-encoded luminance for a peak of 1, dB; infinite for equal images.
+    pub psnr: f64,
+    /// Mean structural similarity of the sRGB-encoded luminance: window 11 x 11, Gaussian of σ 1.5, K1 = 0.01,
+    /// K2 = 0.03; 1 for equal images.
+    // [Wang2004] eq. 13
+    pub ssim: f64,
+    /// Mean FLIP error of the sRGB-encoded colours at 67 pixels per degree, 0..1.
+    // [Andersson2020]
+    pub flip: f64,
+    /// Mean of the largest FLIP error over a range of exposures that the reference sets, 0..1.
+    // [Andersson2021]
+    pub hdr_flip: f64,
+    /// Mean luminance of the image divided by that of the reference.
+    pub luminance_ratio: f64,
+    /// As the luminance ratio, for each of R, G and B.
+    pub color_ratio: [f64; 3],
+    /// Power of the luminance's detail in the image divided by that in the reference, each relative to its own mean
+    /// luminance squared, in octaves: periods of about 3, 6, 13 and 26 pixels. Less than 1 is too soft, more is too crisp or
+    /// noisy. Noise is taken off where a film has the means of two halves of its samples, as a reference has; else it counts as
+    /// detail.
+    pub detail_ratio: [f64; OCTAVES],
+    /// Mean absolute difference of alpha.
+    pub alpha_difference: f64,
+    /// Largest absolute difference of a channel.
+    pub max_abs: f64,
+}
+
+/// What is computed for each pixel before it is averaged over regions.
+pub(super) struct Maps {
+    /// Squared difference of the encoded luminance.
+    pub squares: Vec<f64>,
+    pub ssim: Vec<f64>,
+    pub flip: Vec<f32>,
+    pub hdr_flip: Vec<f32>,
+    /// Of the image, of the reference.
+    pub detail: [Octaves; 2],
+    /// The noise of each, where it is known.
+    pub noise: [Option<Octaves>; 2],
+}
+
+impl Metrics {
+    pub(super) fn new(pair: &Pair, maps: &Maps, mask: &[bool]) -> Self {
+        let mut squares = 0.0;
+        let (mut relative, mut max_abs, mut alpha) = (0.0, 0.0f64, 0.0);
+        let (mut light, mut color) = ([0.0; 2], [[0.0; 2]; 3]);
+        let (mut ssim, mut flip, mut hdr_flip, mut encoded) = (0.0, 0.0, 0.0, 0.0);
+        let mut detail = [[0.0; 2]; OCTAVES];
+        let (mut counted, mut all) = (0u64, 0u64);
+        for i in (0..mask.len()).filter(|i| mask[*i]) {
+            let (p, q) = (&pair.image[i], &pair.reference[i]);
+            all += 1;
+            ssim += maps.ssim[i];
+            flip += f64::from(maps.flip[i]);
+            hdr_flip += f64::from(maps.hdr_flip[i]);
+            if !(finite(p) && finite(q)) {
+                continue;
+            }
+            counted += 1;
+            encoded += maps.squares[i];
+            for c in 0..3 {
+                let (i, r) = (f64::from(p[c]), f64::from(q[c]));
+                let square = (i - r) * (i - r);
+                squares += square;
+                relative += square / (r * r + RELATIVE_FLOOR);
+                max_abs = max_abs.max((i - r).abs());
+                color[c][0] += i;
+                color[c][1] += r;
+            }
+            alpha += (f64::from(p[3]) - f64::from(q[3])).abs();
+            light[0] += f64::from(luminance(rgb(p)));
+            light[1] += f64::from(luminance(rgb(q)));
+            for (octave, power) in detail.iter_mut().enumerate() {
+                for ((power, detail), noise) in power.iter_mut().zip(&maps.detail).zip(&maps.noise) {
+                    *power += detail.0[octave][i].powi(2);
+                    *power -= noise.as_ref().map_or(0.0, |noise| noise.0[octave][i].powi(2));
+                }
+            }
+        }
+        let values = 3.0 * counted as f64;
+        // Equal sums, both zero among them, are equal.
+        let ratio = |[image, reference]: [f64; 2]| if image == reference { 1.0 } else { image / reference };
+        Self {
+            pixels: counted,
+            rmse: (squares / values).sqrt(),
+            relative_mse: relative / values,
+            psnr: -10.0 * (encoded / counted as f64).log10(),
+            ssim: ssim / all as f64,
+            flip: flip / all as f64,
+            hdr_flip: hdr_flip / all as f64,
+            luminance_ratio: ratio(light),
+            color_ratio: color.map(ratio),
+            detail_ratio: detail.map(|power| ratio(power) / ratio(light.map(|v| v * v))),
+            alpha_difference: alpha / counted as f64,
+            max_abs,
+        }
+    }
+
+    /// One line for each metric that is past its limit.
+    pub(super) fn exceeds(&self, limits: &Thresholds) -> Vec<String> {
+        let mut lines = Vec::new();
+        for metric in &METRICS {
+            let Some(limit) = (metric.limit)(limits) else { continue };
+            for (part, value) in (metric.values)(self).into_iter().enumerate() {
+                let name = metric.part_name(part);
+                let worst = match metric.sense {
+                    Sense::Ratio => (value - 1.0).abs(),
+                    _ => value,
+                };
+                let past = value.is_nan()
+                    || if metric.sense == Sense::AtLeast { worst < limit } else { worst > limit };
+                if past {
+                    lines.push(match metric.sense {
+                        Sense::AtMost => format!("{name} is {value:.6}, more than {limit}"),
+                        Sense::AtLeast => format!("{name} is {value:.6}, less than {limit}"),
+                        Sense::Ratio => format!("{name} is {value:.6}, away from 1 by more than {limit}"),
+                    });
+                }
+            }
+        }
+        lines
+    }
+}
+
+/// Limits for [`Comparison::exceeds`](super::Comparison::exceeds); what is `None` is not looked at.
+#[derive(Debug, Clone, Copy, Default, PartialEq)]
+pub struct Thresholds {
+    /// Largest [`Metrics::rmse`].
+    pub rmse: Option<f64>,
+    /// Largest [`Metrics::relative_mse`].
+    pub relative_mse: Option<f64>,
+    /// Smallest [`Metrics::psnr`], dB.
+    pub psnr: Option<f64>,
+    /// Smallest [`Metrics::ssim`].
+    pub ssim: Option<f64>,
+    /// Largest [`Metrics::flip`].
+    pub flip: Option<f64>,
+    /// Largest [`Metrics::hdr_flip`].
+    pub hdr_flip: Option<f64>,
+    /// Largest distance of [`Metrics::luminance_ratio`] from 1.
+    pub luminance_ratio: Option<f64>,
+    /// Largest distance of a channel of [`Metrics::color_ratio`] from 1.
+    pub color_ratio: Option<f64>,
+    /// Largest distance of an octave of [`Metrics::detail_ratio`] from 1.
+    pub detail_ratio: Option<f64>,
+    /// Largest [`Metrics::alpha_difference`].
+    pub alpha_difference: Option<f64>,
+    /// Largest [`Metrics::max_abs`].
+    pub max_abs: Option<f64>,
+}
+
+/// What a limit of a metric means.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Sense {
+    /// Zero for equal images, the limit is the largest.
+    AtMost,
+    /// Large for equal images, the limit is the smallest.
+    AtLeast,
+    /// One for equal images, the limit is the largest distance from it.
+    Ratio,
+}
+
+/// A metric as it is printed and limited.
+pub struct Metric {
+    /// As printed.
+    pub name: &'static str,
+    /// What its values are called where there are more than one.
+    pub parts: &'static [&'static str],
+    /// What its limit means.
+    pub sense: Sense,
+    /// Its values, one or as many as [`Metric::parts`].
+    pub values: fn(&Metrics) -> Vec<f64>,
+    /// Its limit.
+    pub limit: fn(&Thresholds) -> Option<f64>,
+}
+
+impl Metric {
+    /// The name of value `part`.
+    pub fn part_name(&self, part: usize) -> String {
+        match self.parts.get(part) {
+            Some(name) => format!("{} {name}", self.name),
+            None => self.name.to_owned(),
+        }
+    }
+}
+
+macro_rules! metric {
+    ($name:literal, $field:ident, $sense:ident) => {
+        Metric {
+            name: $name,
+            parts: &[],
+            sense: Sense::$sense,
+            values: |m| vec![m.$field],
+            limit: |t| t.$field,
+        }
+    };
+    ($name:literal, $field:ident, $sense:ident, $parts:expr) => {
+        Metric {
+            name: $name,
+            parts: &$parts,
+            sense: Sense::$sense,
+            values: |m| m.$field.to_vec(),
+            limit: |t| t.$field,
+        }
+    };
+}
+
+/// All metrics, in the order in which they are printed.
+pub static METRICS: [Metric; 11] = [
+    metric!("RMSE", rmse, AtMost),
+    metric!("relative MSE", relative_mse, AtMost),
+    metric!("PSNR, dB", psnr, AtLeast),
+    metric!("SSIM", ssim, AtLeast),
+    metric!("FLIP", flip, AtMost),
+    metric!("HDR-FLIP", hdr_flip, AtMost),
+    metric!("luminance ratio", luminance_ratio, Ratio),
+    metric!("colour ratio", color_ratio, Ratio, ["R", "G", "B"]),
+    metric!("detail ratio", detail_ratio, Ratio, ["3 px", "6 px", "13 px", "26 px"]),
+    metric!("alpha difference", alpha_difference, AtMost),
+    metric!("largest difference", max_abs, AtMost),
+];

@@ -1,0 +1,171 @@
+//! The figures and tables of the works that pelage implements: each is a folder of `paper_figures/` with a `figure.toml`, its scenes,
+//! and a caption.
+//!
+//! Panels are scenes rendered as any other picture, and need no code. What is more than scenes side by side is a [`study`]. Either way
+//! a figure becomes a [`Made`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
+//! records, `golden` holds small versions against those that are kept.
+
+mod drawing;
+mod golden;
+mod made;
+mod markdown;
+mod page;
+mod panel;
+mod probe;
+mod spec;
+mod stage;
+pub mod study;
+
+pub use made::{Diagram, Made, Record, Shot, Value};
+pub use spec::{Figure, Panel, Quick, Wipe};
+pub use stage::Stage;
+
+use crate::provenance::{Provenance, only_files_missing, repository_path, say};
+use pelage_core::{Error, Result};
+use pelage_gpu::Gpu;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::AtomicBool;
+use std::time::Instant;
+
+/// What is made.
+#[derive(Debug, Clone, Default)]
+pub struct Options {
+    /// Figures: folders of `paper_figures/` or the unique ends of their names; empty: all.
+    pub names: Vec<String>,
+    /// Folder for the results and the report; `None`: `paper_figures/`.
+    pub out: Option<PathBuf>,
+    /// Small enough for two CPU cores.
+    pub quick: bool,
+    /// Pixels of a panel; `None`: the figure's.
+    pub size: Option<[u32; 2]>,
+    /// Whether what is made is held against what is kept (`paper_figures/NAME/golden/`).
+    pub check: bool,
+    /// Whether what is made is kept, with the report in Markdown.
+    pub bless: bool,
+}
+
+/// Lists all figures.
+///
+/// # Errors
+/// As [`Figure::names`] and [`Figure::find`].
+pub fn list() -> Result<()> {
+    for name in Figure::names()? {
+        let (figure, _) = Figure::find(&name)?;
+        say(&format!("{name:22} {} ({})\n", figure.title, figure.source))?;
+    }
+    Ok(())
+}
+
+/// Makes figures and writes `index.html`. One that fails or lacks a file is told of, and the rest goes on.
+///
+/// # Errors
+/// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. After all are made: the first fault if one alone was asked
+/// for, or else [`Error::Check`] with those that failed and those that differ from what is kept. Where all are made, missing assets are no fault.
+pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
+    let names = if options.names.is_empty() { Figure::names()? } else { options.names.clone() };
+    let figures = names.iter().map(|name| Figure::find(name)).collect::<Result<Vec<_>>>()?;
+    let registry = repository_path(spec::FOLDER)?;
+    let root = options.out.as_ref().unwrap_or(&registry);
+    let gpu = pelage_render::open()?;
+    let (mut faults, mut differing) = (Vec::new(), Vec::new());
+    for (figure, folder) in &figures {
+        let name = name_of(folder);
+        say(&format!("{name}: {}\n", figure.title))?;
+        match make(&gpu, figure, folder, root, options, cancel) {
+            Ok(record) => {
+                say(&format!("  {:.1} s, {}\n", record.seconds, result_folder(root, &name).display()))?;
+                if !record.missing.is_empty() {
+                    say(&format!(
+                        "  note: {} is not there; pictures are not kept or compared\n",
+                        record.missing.join(", ")
+                    ))?;
+                } else if options.bless {
+                    golden::keep(&record, root, folder)?;
+                }
+                if options.check {
+                    differing.extend(golden::differences(&record, root, folder)?);
+                }
+            }
+            Err(Error::Interrupted) => return Err(Error::Interrupted),
+            Err(error) => {
+                let missing = only_files_missing(&error);
+                say(&format!("  {}: {error}\n", if missing { "skipped" } else { "failed" }))?;
+                if !missing || figures.len() == 1 {
+                    faults.push((name, error));
+                }
+            }
+        }
+    }
+    let records: Vec<Record> =
+        Figure::names()?.iter().filter_map(|name| Record::read(&result_folder(root, name))).collect();
+    page::write(&records, root)?;
+    if options.bless {
+        markdown::write(&registry)?;
+    }
+    say(&format!("{}\n", root.join(page::FILE).display()))?;
+    verdict(faults, &differing, figures.len())
+}
+
+fn verdict(mut faults: Vec<(String, Error)>, differing: &[String], made: usize) -> Result<()> {
+    if made == 1 && faults.len() == 1 {
+        return Err(faults.remove(0).1);
+    }
+    let failed = faults.iter().map(|(name, error)| format!("\n{name}: {error}"));
+    let lines: Vec<String> = failed.chain(differing.iter().map(|line| format!("\n{line}"))).collect();
+    if lines.is_empty() {
+        return Ok(());
+    }
+    Err(Error::Check(format!(
+        "{} figures failed, {} parts differ from what is kept:{}",
+        faults.len(),
+        differing.len(),
+        lines.concat()
+    )))
+}
+
+fn make(
+    gpu: &Gpu,
+    figure: &Figure,
+    folder: &Path,
+    root: &Path,
+    options: &Options,
+    cancel: &AtomicBool,
+) -> Result<Record> {
+    let begin = Instant::now();
+    let name = name_of(folder);
+    let out = result_folder(root, &name);
+    // What an older version of the figure left would be taken for this one's.
+    match std::fs::remove_dir_all(&out) {
+        Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&out, e)),
+        _ => {}
+    }
+    std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
+    let caption = folder.join("caption.md");
+    let caption = std::fs::read_to_string(&caption).map_err(|e| Error::io(&caption, e))?;
+    let stage = Stage { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
+    let mut made = stage.panels()?;
+    if let Some(study) = figure.study.as_deref().and_then(study::find) {
+        let more = study(&stage)?;
+        made.shots.extend(more.shots);
+        made = Made { shots: made.shots, missing: made.missing, ..more };
+    }
+    let record = Record {
+        figure: name,
+        title: figure.title.clone(),
+        source: figure.source.clone(),
+        quick: options.quick,
+        seconds: begin.elapsed().as_secs_f64(),
+        provenance: Provenance::of(gpu),
+        caption,
+        ..Record::default()
+    };
+    record.write(figure, made, &out)
+}
+
+fn name_of(folder: &Path) -> String {
+    folder.file_name().unwrap_or_default().to_string_lossy().into_owned()
+}
+
+fn result_folder(root: &Path, name: &str) -> PathBuf {
+    root.join(name).join("result")
+}

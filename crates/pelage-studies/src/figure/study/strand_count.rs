@@ -1,0 +1,149 @@
+//! Time and memory against the number of guard hairs, and how many hairs the time of the undercoat would buy.
+
+use super::super::{Made, Stage};
+use crate::bench::sweep::Sweep;
+use crate::bench::{Times, paper, repeat};
+use crate::report::plot::{Curve, Plot};
+use crate::report::{Table, number};
+use pelage_core::Result;
+use pelage_core::scene::Fur;
+use pelage_core::stats::Stats;
+use pelage_render::FRAGMENT_BYTES;
+use serde::Deserialize;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    scene: String,
+    /// Renderings of each.
+    runs: u32,
+    /// Undercoat hairs that the volume stands for in the paper's pelt.
+    undercoat: f64,
+}
+
+pub(super) fn make(stage: &Stage) -> Result<Made> {
+    let settings: Settings = stage.settings()?;
+    let (mut world, _) = stage.load(&settings.scene, &[])?;
+    world.scene.render.fur = Fur::Explicit;
+    let table = Sweep::Strands.measure(stage.gpu, &world, "pelt", settings.runs)?;
+    world.scene.render.fur = Fur::Implicit;
+    let coat = repeat(stage.gpu, &world, settings.runs)?;
+    let march = Times::of(coat.iter().map(|s| time(s, &[4, 7]))).map_or(f64::NAN, |t| t.min);
+    let mut made = Made::default();
+    let mut measured = Vec::new();
+    for row in &table.rows {
+        let Some(stats) = &row.stats else { continue };
+        made.value(&format!("{}: guard hairs", row.label), stats.strands as f64, 0.0);
+        let fragments = stats.fragments as f64;
+        made.value(&format!("{}: fragments", row.label), fragments, 0.01 * fragments);
+        measured.push((row.label.clone(), stats.clone(), row.ms.map_or(f64::NAN, |t| t.min)));
+    }
+    let strands = |s: &Stats| s.strands as f64;
+    let curve = |name: &str, y: &dyn Fn(&Stats) -> f64| Curve {
+        name: name.into(),
+        points: measured.iter().map(|(_, s, _)| [strands(s), y(s)]).collect(),
+    };
+    let ends = |y: f64| {
+        let at = |i: usize| measured.get(i).map_or(1.0, |(_, s, _)| strands(s));
+        vec![[at(0), y], [at(measured.len().saturating_sub(1)), y]]
+    };
+    let ms = |step: u32| move |s: &Stats| time(s, &[step]).unwrap_or(f64::NAN);
+    made.plots.push((
+        "time".into(),
+        Plot {
+            caption: "Time of the steps against the number of guard hairs, no undercoat".into(),
+            x: "guard hairs".into(),
+            y: "ms".into(),
+            log: [true, true],
+            curves: vec![
+                Curve {
+                    name: "hairs: generate, rasterise, blend (3, 6, 7)".into(),
+                    points: measured.iter().map(|(_, s, ms)| [strands(s), *ms]).collect(),
+                },
+                curve("3 generate", &ms(3)),
+                curve("6 rasterise", &ms(6)),
+                curve("7 blend", &ms(7)),
+                Curve { name: "undercoat as a volume, no hairs (4, 7)".into(), points: ends(march) },
+            ],
+        },
+    ));
+    made.plots.push((
+        "memory".into(),
+        Plot {
+            caption: "Memory of hairs and fragments".into(),
+            x: "guard hairs".into(),
+            y: "MiB".into(),
+            log: [true, true],
+            curves: vec![
+                curve("strand geometry (3)", &|s| mebibytes(s, 3)),
+                curve("all fragments of the picture", &|s| {
+                    (s.fragments * FRAGMENT_BYTES) as f64 / 1_048_576.0
+                }),
+                curve("most at once", &|s| s.gpu_peak_bytes as f64 / 1_048_576.0),
+            ],
+        },
+    ));
+    made.table(&Table {
+        caption: "Guard hairs alone:".into(),
+        head: [
+            "",
+            "guard hairs",
+            "steps 3, 6, 7, ms",
+            "µs a hair",
+            "times the first",
+            "fragments a hair",
+            "tiles",
+        ]
+        .map(String::from)
+        .into(),
+        rows: measured
+            .iter()
+            .map(|(label, s, ms)| {
+                vec![
+                    label.clone(),
+                    s.strands.to_string(),
+                    format!("{ms:.1}"),
+                    number(1e3 * ms / strands(s)),
+                    format!("{:.2}", ms / measured[0].2),
+                    format!("{:.1}", s.fragments as f64 / strands(s)),
+                    s.tiles.to_string(),
+                ]
+            })
+            .collect(),
+    });
+    made.table(&exchange(&settings, &measured, march));
+    Ok(made)
+}
+
+/// How many hairs cost as much as the volume: the paper's comparison.
+fn exchange(settings: &Settings, measured: &[(String, Stats, f64)], march: f64) -> Table {
+    // Time of one more hair, from the ends of the curve.
+    let slope = match (measured.first(), measured.last()) {
+        (Some((_, a, from)), Some((_, b, to))) => (to - from) / (b.strands as f64 - a.strands as f64),
+        _ => f64::NAN,
+    };
+    let line = |what: &str, ours: f64, paper: Option<f64>| {
+        vec![what.to_owned(), format!("{ours:.0}"), paper.map_or(String::new(), |p| format!("{p:.0}"))]
+    };
+    // Step 4 of the paper's table for the cylinder, and its hairs, which that time would double.
+    let paper_march = paper::column("cylinder").map(|c| c.ms[3]);
+    let bought = march / slope;
+    Table {
+        caption: "What the time of the undercoat would buy:".into(),
+        head: ["", "here", "paper"].map(String::from).into(),
+        rows: vec![
+            line("time of the undercoat as a volume, ms", march, paper_march),
+            line("hairs that the same time would add", bought, Some(82_432.0)),
+            line("undercoat hairs that the volume stands for", settings.undercoat, Some(3.8e6)),
+            line("times as many as could be bought", settings.undercoat / bought, Some(3.8e6 / 82_432.0)),
+        ],
+    }
+}
+
+fn time(stats: &Stats, chosen: &[u32]) -> Option<f64> {
+    stats.steps.iter().filter(|s| chosen.contains(&s.step)).map(|s| s.ms).sum()
+}
+
+fn mebibytes(stats: &Stats, step: u32) -> f64 {
+    stats.steps.iter().find(|s| s.step == step).map_or(f64::NAN, |s| s.bytes as f64 / 1_048_576.0)
+}

@@ -1,0 +1,386 @@
+//! The march against finding subelements through a tree of boxes, as the paper compares its march with a binary space partition.
+
+use super::super::Stage;
+use super::super::made::Made;
+use super::super::probe::Probe;
+use super::boxes::{Piece, Start, Tree};
+use crate::bench::{Times, repeat};
+use crate::report::Table;
+use crate::report::plot::{Curve, Plot};
+use glam::Vec3;
+use pelage_core::{Error, Result, Skin, World};
+use pelage_fur::shell::Place;
+use pelage_fur::undercoat::extinction;
+use pelage_fur::view::sample_ray;
+use pelage_pathtrace::bvh::Stack;
+use pelage_render::twin::resolve::Kind;
+use pelage_render::twin::undercoat_march::{Scenery, first_phase, source_radiance, steps};
+use serde::Deserialize;
+use std::time::Instant;
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Settings {
+    scene: String,
+    /// Triangles of the skin within this distance of the camera's target are kept, cm.
+    patch: f32,
+    /// Levels are 0 to this one.
+    deepest: u32,
+    /// Rays that are marched on the CPU.
+    rays: usize,
+    /// Repetitions on the CPU, of which the fastest counts.
+    runs: u32,
+    /// Renderings, of which the fastest march counts.
+    renderings: u32,
+}
+
+/// What a way found, over all rays.
+#[derive(Default)]
+struct Outcome {
+    /// Optical depth of each ray.
+    depths: Vec<f32>,
+    /// Subelements or steps that were shaded.
+    pieces: usize,
+    /// Fastest run, µs a ray.
+    micros: f64,
+}
+
+pub(super) fn make(stage: &Stage) -> Result<Made> {
+    let settings: Settings = stage.settings()?;
+    let (mut world, _) = stage.load(&settings.scene, &[])?;
+    world.skin = patch(&world.skin, Vec3::from(world.scene.camera.target), settings.patch);
+    if world.skin.triangles.is_empty() || settings.deepest > 6 {
+        let words = "the patch holds no triangle, or deepest is more than 6";
+        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+    }
+    let mut made = Made::default();
+    let mut levels = Vec::new();
+    for d in 0..=settings.deepest {
+        let level = Level::measure(stage, &settings, &mut world, d)?;
+        stage.tell(&format!("d = {d}: {} subelements", level.subelements))?;
+        levels.push(level);
+    }
+    for l in &levels {
+        let name = |what: &str| format!("d = {}: {what}", l.d);
+        let depth = mean_depth(l);
+        made.value(&name("mean optical depth, march"), depth, 0.01 * depth);
+        let [relative, _] = rms(l, &l.points);
+        made.value(&name("tree at each step: RMS relative difference of it"), relative, 0.003);
+        let [relative, transmittance] = rms(l, &l.rays);
+        made.value(&name("tree met by rays: RMS relative difference of it"), relative, 0.005);
+        made.value(&name("tree met by rays: RMS difference of transmittance"), transmittance, 1e-4);
+        made.value(&name("subelements a ray meets"), l.rays.pieces as f64 / l.count as f64, 0.5);
+        made.value(&name("bytes of the tree"), l.tree_bytes as f64, 0.02 * l.tree_bytes as f64);
+    }
+    let curve = |name: &str, y: &dyn Fn(&Level) -> f64| Curve {
+        name: name.into(),
+        points: levels.iter().map(|l| [f64::from(l.d), y(l)]).collect(),
+    };
+    let first = levels[0].march.micros;
+    made.plots.push((
+        "time".into(),
+        Plot {
+            caption: format!("Time of a ray, {} rays, one thread on the CPU", levels[0].count),
+            x: "subdivisions d".into(),
+            y: "µs a ray".into(),
+            log: [false, true],
+            curves: vec![
+                curve("march (CPU twin)", &|l| l.march.micros),
+                curve("tree, asked at each step of the march", &|l| l.points.micros),
+                curve("tree, all subelements that the ray meets", &|l| l.rays.micros),
+                curve("march on the GPU, the device as a whole", &|l| l.gpu_micros.unwrap_or(f64::NAN)),
+                curve("the paper's t (3 + 0.4 d), t our march at d = 0", &|l| {
+                    first * (3.0 + 0.4 * f64::from(l.d))
+                }),
+            ],
+        },
+    ));
+    made.plots.push((
+        "memory".into(),
+        Plot {
+            caption: format!(
+                "Memory for {} prisms of {} layers",
+                world.skin.triangles.len(),
+                levels[0].layers
+            ),
+            x: "subdivisions d".into(),
+            y: "bytes".into(),
+            log: [false, true],
+            curves: vec![
+                curve("tree of boxes over the subelements", &|l| l.tree_bytes as f64),
+                curve("corners of the subelements, to meet them by rays", &|l| l.body_bytes as f64),
+                curve("volume that both read", &|l| l.volume_bytes as f64),
+                curve("neighbours of the prisms, all that the march needs", &|l| l.neighbour_bytes as f64),
+            ],
+        },
+    ));
+    made.table(&table(&levels));
+    Ok(made)
+}
+
+/// Optical depths of march and other way, and their transmittances.
+fn pairs<'a>(level: &'a Level, other: &'a Outcome) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
+    level.march.depths.iter().zip(&other.depths).map(|(a, b)| {
+        let depths = [*a, *b].map(f64::from);
+        [depths, depths.map(|d| (-d).exp())]
+    })
+}
+
+fn mean_depth(level: &Level) -> f64 {
+    level.march.depths.iter().map(|d| f64::from(*d)).sum::<f64>() / level.count as f64
+}
+
+/// Root mean squares of the relative difference of optical depths and of the difference of transmittances.
+fn rms(level: &Level, other: &Outcome) -> [f64; 2] {
+    let root = |f: &dyn Fn([[f64; 2]; 2]) -> f64| {
+        (pairs(level, other).map(|pair| f(pair).powi(2)).sum::<f64>() / level.count as f64).sqrt()
+    };
+    [root(&|[[a, b], _]| (a - b) / a.max(1e-3)), root(&|[_, [a, b]]| a - b)]
+}
+
+/// The triangles with all corners near a point, as a skin of their own.
+fn patch(skin: &Skin, centre: Vec3, radius: f32) -> Skin {
+    let kept: Vec<usize> = (0..skin.triangles.len())
+        .filter(|t| skin.corners(*t).iter().all(|p| p.distance(centre) < radius))
+        .collect();
+    let mut numbers = vec![u32::MAX; skin.positions.len()];
+    let mut part = Skin { positions: Vec::new(), normals: Vec::new(), colors: Vec::new(), ..skin.clone() };
+    part.triangles = kept
+        .iter()
+        .map(|t| {
+            skin.triangles[*t].map(|v| {
+                let v = v as usize;
+                if numbers[v] == u32::MAX {
+                    numbers[v] = part.positions.len() as u32;
+                    part.positions.push(skin.positions[v]);
+                    part.normals.push(skin.normals[v]);
+                    part.colors.push(skin.colors.get(v).copied().unwrap_or(Vec3::ONE));
+                }
+                numbers[v]
+            })
+        })
+        .collect();
+    part.corner_uv = skin.corner_uv.as_ref().map(|uv| kept.iter().map(|t| uv[*t]).collect());
+    part
+}
+
+/// All ways at one level.
+struct Level {
+    d: u32,
+    layers: u32,
+    count: usize,
+    subelements: u64,
+    march: Outcome,
+    /// Time of looking up medium and light at the march's places.
+    shading: f64,
+    points: Outcome,
+    rays: Outcome,
+    gpu_micros: Option<f64>,
+    build_ms: f64,
+    tree_bytes: u64,
+    body_bytes: u64,
+    volume_bytes: u64,
+    neighbour_bytes: u64,
+}
+
+impl Level {
+    fn measure(stage: &Stage, settings: &Settings, world: &mut World, d: u32) -> Result<Self> {
+        world.scene.undercoat.subdivision = Some(d);
+        let film = [world.scene.film.width, world.scene.film.height];
+        let (starts, level) = {
+            let probe = Probe::new(stage.gpu, world, film, [0, 0], film)?;
+            let starts = starts(&probe, settings.rays)?;
+            if starts.0.is_empty() {
+                let words = "no ray enters the patch from above and ends on its skin";
+                return Err(Error::fault(stage.folder.join("figure.toml"), words));
+            }
+            let level = Self::on_the_cpu(&probe, settings, d, &starts.0);
+            (starts, level)
+        };
+        // The kernel that marches, alone: with undercoat only, resolving is marching.
+        let runs = repeat(stage.gpu, world, settings.renderings)?;
+        let times = Times::of(runs.iter().map(|stats| {
+            stats.passes.iter().filter(|p| p.pass.starts_with("resolve")).map(|p| p.ms).sum::<Option<f64>>()
+        }));
+        let all = starts.1.max(1) as f64;
+        Ok(Self { gpu_micros: times.map(|t| 1e3 * t.min / all), ..level })
+    }
+
+    fn on_the_cpu(probe: &Probe<'_>, settings: &Settings, d: u32, starts: &[Start]) -> Self {
+        let scenery = probe.scenery();
+        let march = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+            for s in steps(&scenery, start.ray, start.prism, start.z, start.phase).0 {
+                pieces.push(Piece {
+                    from: s.z,
+                    to: s.z_end,
+                    place: s.place,
+                    shaded: Some((s.sigma, s.radiance)),
+                });
+            }
+        });
+        // The same places once more, without the work of finding them.
+        let known: Vec<Vec<Place>> = starts
+            .iter()
+            .map(|s| steps(&scenery, s.ray, s.prism, s.z, s.phase).0.iter().map(|s| s.place).collect())
+            .collect();
+        let mut next = 0;
+        let shading = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+            let z = start.z;
+            pieces.extend(known[next % known.len()].iter().map(|p| Piece {
+                from: z,
+                to: z,
+                place: *p,
+                shaded: None,
+            }));
+            next += 1;
+        });
+        let begin = Instant::now();
+        let tree = Tree::new(&probe.shell, probe.fur.layers, d);
+        let build_ms = begin.elapsed().as_secs_f64() * 1e3;
+        let mut stack = Stack::new();
+        let eye = Vec3::from(probe.frame.eye);
+        let points = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+            tree.ask_at_steps(&scenery, eye, start, &mut stack, pieces);
+        });
+        let mut stack = Stack::new();
+        let rays = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+            tree.meet(eye, start, &mut stack, pieces);
+        });
+        Self {
+            d,
+            layers: probe.fur.layers,
+            count: starts.len(),
+            subelements: probe.prepared.subelements,
+            march,
+            shading: shading.micros,
+            points,
+            rays,
+            gpu_micros: None,
+            build_ms,
+            tree_bytes: tree.bvh.bytes(),
+            body_bytes: size_of_val(&tree.bodies[..]) as u64,
+            volume_bytes: 4 * probe.prepared.subelements,
+            neighbour_bytes: 12 * u64::from(probe.prepared.triangles),
+        }
+    }
+}
+
+/// Entries of evenly spread pixels, and the number of all pixels with one. Kept are rays that enter once, through the top, and end on
+/// the skin: the patch's border is no part of the comparison.
+fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
+    let (lists, bases) = (probe.lists()?, probe.bases()?);
+    let from_above = |i: usize, z: f32, prism: u32| {
+        let (ray, mut place) = (sample_ray(&probe.frame, probe.xy(i)), probe.shell.enter(prism));
+        place.t = 1.0;
+        probe.shell.solve(&mut place, Vec3::from(probe.frame.eye) + z * ray, ray, 4);
+        place.t > 0.999
+    };
+    let entered: Vec<(usize, f32, u32, f32)> = lists
+        .iter()
+        .zip(&bases)
+        .enumerate()
+        .filter_map(|(i, (list, base))| {
+            let mut entries = list.iter().filter(|n| n.kind() == Kind::Entry);
+            let (first, base) = (entries.next()?, (*base)?);
+            let alone = entries.next().is_none() && from_above(i, first.z, first.id());
+            alone.then(|| (i, first.z, first.id(), base.z))
+        })
+        .collect();
+    let stride = entered.len().div_ceil(most.max(1)).max(1);
+    let start = |(i, z, prism, z_base): &(usize, f32, u32, f32)| {
+        let xy = probe.xy(*i);
+        let (ray, phase) = (sample_ray(&probe.frame, xy), first_phase(&probe.frame, xy));
+        Start { ray, z: *z, prism: *prism, phase, z_base: *z_base }
+    };
+    let all = lists.iter().filter(|list| !list.is_empty()).count();
+    Ok((entered.iter().step_by(stride).map(start).collect(), all))
+}
+
+/// Runs one way over all rays: it finds the pieces, which are then shaded alike.
+fn run(
+    scenery: &Scenery<'_>,
+    starts: &[Start],
+    runs: u32,
+    find: &mut dyn FnMut(&Start, &mut Vec<Piece>),
+) -> Outcome {
+    let mut outcome = Outcome { micros: f64::INFINITY, ..Outcome::default() };
+    let mut pieces = Vec::new();
+    for _ in 0..runs.max(1) {
+        outcome.depths.clear();
+        outcome.pieces = 0;
+        let begin = Instant::now();
+        for start in starts {
+            pieces.clear();
+            find(start, &mut pieces);
+            outcome.pieces += pieces.len();
+            let speed = start.ray.length();
+            let view = -start.ray / speed;
+            let mut opaque = 0.0;
+            let mut light = Vec3::ZERO;
+            for piece in &pieces {
+                let (sigma, radiance) = piece.shaded.unwrap_or_else(|| {
+                    let medium = scenery.undercoat.at(&piece.place);
+                    let (radiance, density) = source_radiance(scenery, &piece.place, medium, view);
+                    (extinction(scenery.undercoat.fur, medium, view) * density * speed, radiance)
+                });
+                opaque += sigma * (piece.to.min(start.z_base) - piece.from).max(0.0);
+                light += radiance * sigma;
+            }
+            // What is computed is not to be left out by the compiler.
+            std::hint::black_box(light);
+            outcome.depths.push(opaque);
+        }
+        let micros = begin.elapsed().as_secs_f64() * 1e6 / starts.len().max(1) as f64;
+        outcome.micros = outcome.micros.min(micros);
+    }
+    outcome
+}
+
+fn table(levels: &[Level]) -> Table {
+    let head = [
+        "d",
+        "subelements",
+        "march, µs",
+        "tree at each step, µs",
+        "ratio",
+        "tree met by rays, µs",
+        "ratio",
+        "paper's ratio 3 + 0.4 d",
+        "march on the GPU, µs",
+        "shading alone, µs",
+        "ratio of finding alone, at each step",
+        "tree, bytes",
+        "built in, ms",
+        "steps a ray",
+        "subelements a ray meets",
+        "at each step: RMS difference of optical depth",
+        "met by rays: RMS difference of optical depth",
+    ];
+    let rows = levels.iter().map(|l| {
+        let count = l.count as f64;
+        vec![
+            l.d.to_string(),
+            l.subelements.to_string(),
+            format!("{:.1}", l.march.micros),
+            format!("{:.1}", l.points.micros),
+            format!("{:.2}", l.points.micros / l.march.micros),
+            format!("{:.1}", l.rays.micros),
+            format!("{:.2}", l.rays.micros / l.march.micros),
+            format!("{:.1}", 3.0 + 0.4 * f64::from(l.d)),
+            l.gpu_micros.map_or("n/a".into(), |t| format!("{t:.2}")),
+            format!("{:.1}", l.shading),
+            format!("{:.1}", (l.points.micros - l.shading) / (l.march.micros - l.shading).max(1e-3)),
+            l.tree_bytes.to_string(),
+            format!("{:.0}", l.build_ms),
+            format!("{:.1}", l.march.pieces as f64 / count),
+            format!("{:.1}", l.rays.pieces as f64 / count),
+            format!("{:.2} %", 100.0 * rms(l, &l.points)[0]),
+            format!("{:.2} %", 100.0 * rms(l, &l.rays)[0]),
+        ]
+    });
+    Table {
+        caption: "Times of a ray; ratios to the march:".into(),
+        head: head.map(String::from).into(),
+        rows: rows.collect(),
+    }
+}

@@ -1,0 +1,247 @@
+//! The flat coat that stands for that of a world.
+
+use super::coat::{Hairs, Medium, Part, Standing, Station, extinction, standing};
+use super::slab::BINS;
+use super::{Table, Terms};
+use glam::{Vec2, Vec3};
+use pelage_core::World;
+use pelage_fur::groom;
+use pelage_fur::groom::PackedGroom;
+use pelage_fur::guard_strands::{diameter, strand};
+use pelage_fur::layout::{Prism, Root, ShellVertex};
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint, skin_point};
+use pelage_fur::random::{hash2, random};
+use pelage_fur::shell::Shell;
+use pelage_fur::simplex::Field;
+use pelage_fur::surface::vertex_uv;
+use pelage_fur::undercoat::{Undercoat, mean_color};
+use std::f32::consts::FRAC_PI_4;
+
+/// Points of the skin at which the coat is looked at.
+const POINTS: usize = 64;
+/// Slices from the tip of the longest hair down to the skin.
+const SLICES: usize = 32;
+/// Stations of each kind of hairs.
+const STATIONS: usize = 4;
+/// Guard hairs that are looked at for each triangle of those chosen.
+const GUARD_HAIRS: u32 = 8;
+
+impl Table {
+    /// The table for the fur of `world`, whose groom is `packed`.
+    pub fn of_world(world: &World, packed: &PackedGroom) -> Self {
+        let multiple = &world.scene.render.multiple;
+        let terms = Terms {
+            forward: f32::from(u8::from(multiple.forward)),
+            backward: f32::from(u8::from(multiple.backward)),
+            density: multiple.density,
+        };
+        Self::new(&medium(world, packed), &packed.guard_fibre, &terms)
+    }
+}
+
+/// A piece of a guard hair.
+struct Piece {
+    /// Above the skin, cm.
+    height: f32,
+    /// Length times diameter by the skin's area.
+    depth: f32,
+    tangent: Vec3,
+    color: Vec3,
+}
+
+/// The mean of a world's coat over its skin. Without undercoat it consists of guard hairs.
+pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
+    let surface = &world.skin;
+    let maps = Maps { groom: &packed.groom, texels: &packed.texels };
+    let uv = vertex_uv(surface);
+    let points: Vec<SkinPoint> = (0..surface.positions.len())
+        .step_by((surface.positions.len() / POINTS).max(1))
+        .map(|v| SkinPoint {
+            position: surface.positions[v],
+            normal: surface.normals[v],
+            uv: Vec2::from(uv[v]),
+            color: surface.colors.get(v).copied().unwrap_or(Vec3::ONE),
+        })
+        .collect();
+    let count = points.len().max(1) as f32;
+    let mean = |of: &dyn Fn(&SkinPoint) -> f32| points.iter().map(of).sum::<f32>() / count;
+    let mean_of = |which| Vec3::from_array([0, 1, 2].map(|c| mean(&|p| maps.color(which, p)[c])));
+    let (fur, scene) = (&packed.fur, &world.scene);
+    let skin = mean_of(Parameter::BaseColor).to_array().map(|x| f64::from(x.clamp(0.0, 1.0)));
+    let ends = [Parameter::UndercoatColorRoot, Parameter::UndercoatColorTip].map(mean_of);
+    let whole = mean_color(&packed.coat_fibre, ends[0], ends[1]);
+    let power = |color: Vec3| {
+        let log = |x: f32| x.clamp(1e-3, 0.995).ln();
+        [0, 1, 2].map(|c| log(color[c]) / log(whole[c]))
+    };
+
+    let coated = groom::has_undercoat(scene);
+    let height = if coated { mean(&|p| maps.scalar(Parameter::UndercoatHeight, p)) } else { 0.0 };
+    let pieces = if groom::has_guard(scene) { guard_pieces(world, packed) } else { Vec::new() };
+    let top = pieces.iter().map(|p| p.height).fold(height, f32::max).max(1e-3);
+    let slice = top / SLICES as f32;
+    // From the top down.
+    let middles: Vec<f32> = (0..SLICES).map(|k| top - (k as f32 + 0.5) * slice).collect();
+    let mut kinds = Vec::new();
+    let mut parts: Vec<Vec<Part>> = Vec::new();
+    if coated {
+        let shell = Shell::default();
+        let coat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
+        let lean = Vec3::from(fur.lean).length();
+        let stations = (0..STATIONS)
+            .map(|k| 1.0 - k as f32 / (STATIONS - 1) as f32)
+            .map(|t| {
+                // The light lattice knows the lean alone.
+                let tangent = Vec3::new(lean * t, 0.0, 1.0).normalize();
+                let leaning = Standing { tangent, shown: 1.0 / tangent.z.max(0.3) };
+                let even = [f64::from(FRAC_PI_4 * leaning.shown); BINS];
+                Station {
+                    hairs: standing(lean, fur.tangent_jitter, fur.jitter_exponent, t),
+                    counted: Some(if fur.isotropic == 1 { even } else { extinction(leaning) }),
+                }
+            })
+            .collect();
+        kinds.push(Hairs { fibre: packed.coat_fibre.clone(), stations });
+        let of_slice = |z: &f32| {
+            let t = z / height.max(1e-6);
+            let thick = |p: &SkinPoint| {
+                let domain = if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position };
+                let density = maps.scalar(Parameter::UndercoatDensity, p) / scene.undercoat.density.max();
+                density * coat.clump_density(domain, domain, t)
+            };
+            let depth = if t < 1.0 { fur.extinction * mean(&thick) * slice } else { 0.0 };
+            let t = t.min(1.0);
+            Part {
+                depth: f64::from(depth),
+                place: f64::from(1.0 - t) * (STATIONS - 1) as f64,
+                power: power(ends[0].lerp(ends[1], t)),
+            }
+        };
+        parts.push(middles.iter().map(of_slice).collect());
+    }
+    if !pieces.is_empty() {
+        let (stations, of_slice) = guard_parts(pieces, top, &power);
+        kinds.push(Hairs { fibre: packed.guard_fibre.clone(), stations });
+        parts.push(of_slice);
+    }
+    let slices: Vec<Vec<Part>> =
+        (0..SLICES).map(|k| parts.iter().map(|of_kind| of_kind[k]).collect()).collect();
+    if kinds.is_empty() || slices.iter().flatten().all(|p| p.depth <= 0.0) {
+        // Nothing to scatter: the skin alone, behind a breath of hairs.
+        return Medium::even(packed.coat_fibre.clone(), standing(0.0, 0.0, 1.0, 0.0), 0.05, skin, fur.seed);
+    }
+    Medium { kinds, slices, skin, seed: fur.seed }
+}
+
+/// Pieces of guard hairs on some triangles.
+fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
+    let (surface, groom) = (&world.skin, &packed.groom);
+    let uv = vertex_uv(surface);
+    let chosen: Vec<[u32; 3]> =
+        surface.triangles.iter().copied().step_by((surface.triangles.len() / POINTS).max(1)).collect();
+    // A shell of these triangles alone, for the roots.
+    let corners = || chosen.iter().flatten().map(|v| *v as usize);
+    let vertex = |v: usize| {
+        let c = surface.colors.get(v).copied().unwrap_or(Vec3::ONE);
+        let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
+        ShellVertex {
+            position: surface.positions[v].into(),
+            height: 0.0,
+            normal: surface.normals[v].into(),
+            color: r | (g << 8) | (b << 16) | (255 << 24),
+        }
+    };
+    let prism = |k: u32| Prism { vertices: [3 * k, 3 * k + 1, 3 * k + 2], ..bytemuck::Zeroable::zeroed() };
+    let shell = Shell {
+        vertices: corners().map(vertex).collect(),
+        prisms: (0..chosen.len() as u32).map(prism).collect(),
+        corner_uv: corners().map(|v| uv[v]).collect(),
+        light_reach: 1.0,
+    };
+    let maps = Maps { groom, texels: &packed.texels };
+    let roots = chosen.len() as u32 * GUARD_HAIRS;
+    let mut pieces = Vec::new();
+    for k in 0..roots {
+        let seed = hash2(packed.fur.seed, k);
+        let root_u = random(seed, 100).sqrt();
+        let lambda = [root_u * (1.0 - random(seed, 101)), root_u * random(seed, 101)];
+        let root = Root { prism: k / GUARD_HAIRS, seed, lambda };
+        let at = skin_point(&shell, root.prism, Vec3::new(1.0 - lambda[0] - lambda[1], lambda[0], lambda[1]));
+        let density = maps.scalar(Parameter::GuardDensity, &at) / roots as f32;
+        let strand = strand(&shell, &maps, &root);
+        let thickness = maps.scalar(Parameter::GuardThickness, &at);
+        let colors = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at));
+        let (side, other) = strand.normal.any_orthonormal_pair();
+        let [middle, width] = groom.color_transition;
+        for k in 0..groom.segments {
+            let [a, b] = [k, k + 1].map(|k| k as f32 / groom.segments as f32);
+            let s = 0.5 * (a + b);
+            let way = strand.point(groom, b) - strand.point(groom, a);
+            let above = strand.point(groom, s) - strand.root;
+            let opacity = groom.opacity * (-groom.tip_fade * s).exp();
+            let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
+            pieces.push(Piece {
+                height: above.dot(strand.normal).max(0.0),
+                depth: density * way.length() * thickness * diameter(groom, s) * opacity,
+                tangent: Vec3::new(way.dot(side), way.dot(other), way.dot(strand.normal))
+                    .normalize_or(Vec3::Z),
+                color: colors[0].lerp(colors[1], u * u * (3.0 - 2.0 * u)).clamp(Vec3::ZERO, Vec3::ONE),
+            });
+        }
+    }
+    pieces
+}
+
+/// Directions of guard hairs at stations, and their parts of the slices.
+fn guard_parts(
+    mut pieces: Vec<Piece>,
+    top: f32,
+    power: &dyn Fn(Vec3) -> [f32; 3],
+) -> (Vec<Station>, Vec<Part>) {
+    pieces.sort_by(|a, b| b.height.total_cmp(&a.height));
+    let whole: f32 = pieces.iter().map(|p| p.depth).sum();
+    // Each station stands for a quarter of the hairs.
+    let per_station = 256;
+    let mut stations = vec![Vec::new(); STATIONS];
+    let mut heights = [0.0; STATIONS];
+    let (mut passed, mut taken) = (0.0, 0);
+    for piece in &pieces {
+        passed += piece.depth;
+        while taken < STATIONS * per_station
+            && (taken as f32 + 0.5) / (STATIONS * per_station) as f32 * whole <= passed
+        {
+            let station = taken / per_station;
+            stations[station].push(Standing { tangent: piece.tangent, shown: 1.0 });
+            heights[station] += piece.height / per_station as f32;
+            taken += 1;
+        }
+    }
+    let last = pieces.last().map_or(Vec3::Z, |p| p.tangent);
+    for station in stations.iter_mut().filter(|s| s.is_empty()) {
+        station.push(Standing { tangent: last, shown: 1.0 });
+    }
+    let place = |z: f32| {
+        let k = (1..STATIONS - 1).find(|k| heights[*k] <= z).unwrap_or(STATIONS - 1);
+        let x = (heights[k - 1] - z) / (heights[k - 1] - heights[k]).max(1e-6);
+        (k - 1) as f64 + f64::from(x.clamp(0.0, 1.0))
+    };
+    let slice = top / SLICES as f32;
+    let mut sums = vec![(0.0f32, Vec3::ZERO); SLICES];
+    for piece in &pieces {
+        let k = (((top - piece.height) / slice) as usize).min(SLICES - 1);
+        sums[k].0 += piece.depth;
+        sums[k].1 += piece.depth * piece.color;
+    }
+    let parts = sums
+        .iter()
+        .enumerate()
+        .map(|(k, (depth, color))| Part {
+            depth: f64::from(*depth),
+            place: place(top - (k as f32 + 0.5) * slice),
+            power: power(*color / depth.max(1e-12)),
+        })
+        .collect();
+    // The light lattice does not keep the directions of guard hairs.
+    let counted = Some([f64::from(FRAC_PI_4); BINS]);
+    (stations.into_iter().map(|hairs| Station { hairs, counted }).collect(), parts)
+}
