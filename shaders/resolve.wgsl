@@ -12,7 +12,7 @@
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two a sample
 @group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>; // lost, longest list
-@group(0) @binding(11) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
 
 #import shared/frame
 #import shared/index
@@ -28,7 +28,7 @@
 #import shared/record
 #import shared/source_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/march
 #import shared/phase
 #import shared/oit

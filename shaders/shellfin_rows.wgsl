@@ -20,7 +20,7 @@ struct LightingTable {
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
 @group(0) @binding(5) var<uniform> guard_fibre: Fibre;
-@group(0) @binding(6) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(6) var<uniform> undercoat_fibre: Fibre;
 @group(0) @binding(7) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(9) var<storage, read> vertex_uv: array<vec2f>;
@@ -41,7 +41,7 @@ struct LightingTable {
 #import shared/groom
 #import shared/map_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/shellfin_types
 
 // The model, fixed when the kernel is compiled.
@@ -165,7 +165,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {
                 undercoat += lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.undercoat))
-                    * scatter_coat(lean, l, view, row.undercoat);
+                    * scatter_undercoat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
                 // The hairs that a row stands for lean a little every way.
@@ -178,7 +178,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             }
         }
         guard /= max(row.guard, vec3f(1e-3));
-        if COAT_MODEL != MODEL_KAJIYA_KAY {
+        if UNDERCOAT_MODEL != MODEL_KAJIYA_KAY {
             undercoat /= max(row.undercoat, vec3f(1e-3));
         }
     }

@@ -10,7 +10,7 @@
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> lost_rays: array<atomic<u32>>;
-@group(0) @binding(10) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(10) var<uniform> undercoat_fibre: Fibre;
 
 #import shared/frame
 #import shared/index
@@ -26,7 +26,7 @@
 #import shared/record
 #import shared/source_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/march
 #import shared/phase
 #import shared/oit

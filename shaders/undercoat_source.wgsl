@@ -9,7 +9,7 @@
 @group(0) @binding(6) var<storage, read_write> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
-@group(0) @binding(9) var<uniform> coat_fibre: Fibre;
+@group(0) @binding(9) var<uniform> undercoat_fibre: Fibre;
 @group(0) @binding(10) var table_sampler: sampler;
 @group(0) @binding(11) var field_table: texture_2d_array<f32>;
 @group(0) @binding(12) var sent_table: texture_2d_array<f32>;
@@ -27,7 +27,7 @@
 #import shared/record
 #import shared/source_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/transport
 #import shared/dual
 
@@ -80,7 +80,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         } else if j == fur.key_lights.y && fur.keys > 1u {
             key_tau.y = depth;
         } else if light.undercoat == 1u {
-            ambient += light.irradiance * exp(-depth * attenuation) * scatter_coat(tangent, light.direction, view, albedo);
+            ambient += light.irradiance * exp(-depth * attenuation) * scatter_undercoat(tangent, light.direction, view, albedo);
         }
     }
     if MULTIPLE == MULTIPLE_TRANSPORT {

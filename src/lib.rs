@@ -77,7 +77,7 @@ pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 /// Scene files: their values, overrides from the command line, and their JSON schema.
 pub mod scene {
     pub use pelage_core::scene::{
-        Background, Blend, Camera, Color, FilmSpec, Fur, Override, Scalar, Tonemap, json_schema,
+        Background, Blend, Camera, Color, FilmSpec, FurLayers, Override, Scalar, Tonemap, json_schema,
     };
 }
 

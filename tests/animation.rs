@@ -11,7 +11,7 @@ use pelage::{
     film,
     render::{self, RenderOptions},
     scene::{Dynamics, Motion},
-    shellfin::Moment,
+    shellfin::Pose,
 };
 
 fn scene(text: &str) -> Scene {
@@ -192,7 +192,7 @@ fn frames_are_numbered_and_do_not_depend_on_each_other() {
     render(&["--frames", "3..2"]).expect(2, &["--frames", "A..B"]);
 }
 
-/// Wind bends the hair of frames as it bends a picture of the same moment, and no picture of a calm day.
+/// Wind bends the hair of frames as it bends a picture of the same pose, and no picture of a calm day.
 #[test]
 fn wind_bends_the_hair_of_frames() {
     let folder = Folder::new();
@@ -228,7 +228,7 @@ fn wind_bends_the_hair_of_frames() {
     film::io::write(&frame.film, std::path::Path::new(&alone), &metadata, &world.scene.film).unwrap();
     assert!(image::open(alone).unwrap().to_rgba8() == third, "as through the library");
     // cm, by the fur's height, no longer than the hair.
-    let rest = Moment::at(&world, 0.0, 3.0);
+    let rest = Pose::at(&world, 0.0, 3.0);
     assert!(rest.bend.distance(Vec3::X * 1.5) < 1e-5, "{}", rest.bend);
     assert!(rest.by_height(3.0).distance(Vec3::X * 0.5) < 1e-5);
     assert!(rest.by_height(0.5).distance(Vec3::X) < 1e-6);

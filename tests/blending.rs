@@ -3,7 +3,7 @@
 #[path = "common/worlds.rs"]
 mod worlds;
 
-use pelage::scene::{Blend, Fur, LightLookup, Scene, Storage};
+use pelage::scene::{Blend, FurLayers, LightLookup, Scene, Storage};
 use pelage::stats::Stats;
 use worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 
@@ -44,7 +44,7 @@ fn virtual_fragments_converge_to_exact_blending() {
 
 #[test]
 fn blends_agree_where_no_strand_is() {
-    let bare = |s: &mut Scene| s.render.fur = Fur::Implicit;
+    let bare = |s: &mut Scene| s.render.fur = FurLayers::Implicit;
     let exact = blended(Blend::Exact, 1, bare).0;
     for (blend, n) in [(Blend::Simplified, 1), (Blend::Virtual, 1), (Blend::Virtual, 30)] {
         let (film, stats) = blended(blend, n, bare);
@@ -81,7 +81,7 @@ fn contributions_add_up() {
 fn white_undercoat_stays_below_its_bound() {
     let white = |forward: f32| {
         move |s: &mut Scene| {
-            s.render.fur = Fur::Implicit;
+            s.render.fur = FurLayers::Implicit;
             s.undercoat.color_root = [1.0; 3].into();
             s.undercoat.color_tip = [1.0; 3].into();
             s.undercoat.forward_scattering = forward;
@@ -164,7 +164,7 @@ fn stored_and_evaluated_densities_make_the_same_image() {
 fn lattice_stands_for_the_nested_march() {
     let lit = |light: LightLookup, density: f32| {
         let edit = move |s: &mut Scene| {
-            s.render.fur = Fur::Implicit;
+            s.render.fur = FurLayers::Implicit;
             s.render.light = light;
             s.undercoat.density = density.into();
         };

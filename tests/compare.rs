@@ -145,10 +145,10 @@ fn values_that_are_not_finite_are_counted_and_fail() {
 #[test]
 fn sizes_must_match() {
     let error = compare(&picture(), &Film::new(10, 20)).unwrap_err();
-    assert!(matches!(error, Error::Check(_)));
+    assert!(matches!(error, Error::Unsupported(_)));
     let text = error.to_string();
     assert!(text.contains("48 x 32") && text.contains("10 x 20"), "{text}");
-    assert!(matches!(compare(&Film::default(), &Film::default()), Err(Error::Check(_))));
+    assert!(matches!(compare(&Film::default(), &Film::default()), Err(Error::Unsupported(_))));
 }
 
 #[test]

@@ -3,7 +3,7 @@
 #[path = "common/worlds.rs"]
 mod worlds;
 
-use pelage::scene::{Blend, Filter, Fur, Scene};
+use pelage::scene::{Blend, Filter, FurLayers, Scene};
 use worlds::{ball, differing, render};
 
 fn scene(blend: Blend) -> impl Fn(&mut Scene) {
@@ -48,7 +48,7 @@ fn tile_size_does_not_show() {
 fn shells_are_the_same_in_two_runs_and_nearly_so_in_other_tiles() {
     let shells = |tile: Option<u32>| {
         let world = with(Blend::Exact, |s| {
-            s.render.fur = Fur::Shells;
+            s.render.fur = FurLayers::Shells;
             s.render.tile = tile;
             s.bake.resolution = [32; 2];
         });

@@ -292,7 +292,7 @@ mod rendering {
     use super::*;
     use std::time::Duration;
 
-    /// What there is to see in a moment.
+    /// What there is to see in a pose.
     const SMALL: [&str; 5] = ["render", "tests/data/small.toml", "--size", "32x20", "--quiet"];
 
     fn is_whole_png(path: &str) -> bool {

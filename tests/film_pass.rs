@@ -41,7 +41,7 @@ fn weights(filter: Filter, grid: u32) -> (u32, [[f32; 4]; 32], u32) {
 #[test]
 fn pixels_agree_with_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage::scene::Fur::Base));
+    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage::scene::FurLayers::Base));
     for (filter, grid) in [(Filter::Box, 1), (Filter::Box, 3), (Filter::Gaussian, 2), (Filter::Mitchell, 4)] {
         let (reach, weights, taps) = weights(filter, grid);
         let pixels = [7u32, 5];
@@ -104,7 +104,7 @@ fn even_image_stays_even() {
             s.film.width = 24;
             s.film.height = 16;
             // From within the ball: all that is seen is the skin's inner side, of alpha 1.
-            s.render.fur = pelage::scene::Fur::Base;
+            s.render.fur = pelage::scene::FurLayers::Base;
             s.camera.eye = [0.0, 0.0, 0.1];
         });
         let film = worlds::render(&world).film;

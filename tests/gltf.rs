@@ -271,7 +271,7 @@ fn the_renderer_draws_what_is_written() {
         let clothed = gltf::clothe(&a, &lapped(&a), &textures.manifest).unwrap();
         let extras = Document::with(&a, &textures).extras().clone();
         let extras: gltf::Extras = serde_json::from_value(extras).unwrap();
-        let bend = pelage::shellfin::Moment::at(&a, 0.0, 2.5).bend;
+        let bend = pelage::shellfin::Pose::at(&a, 0.0, 2.5).bend;
         let fur = Fur::new(gpu, b, textures, bend);
         let vertices = a.skin.positions.len();
         let count = (fur.rows.rows.len() * vertices) as u64;

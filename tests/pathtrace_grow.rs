@@ -204,7 +204,7 @@ fn even_slab_follows_beer_and_lambert() {
 fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3] {
     const N: usize = 20;
     let packed = groom::pack(world).expect("a groom");
-    let fur = pelage::layout::Fur { diameter_ratio: 1.0, ..packed.fur };
+    let fur = pelage::layout::FurParameters { diameter_ratio: 1.0, ..packed.fur };
     let shell = shell(world, &packed);
     let coat = Undercoat { fur: &fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
     let k = (t * strands.segments as f32) as usize;

@@ -6,7 +6,7 @@ mod beams;
 use beams::{Beam, hits, optical_depth, segments};
 use glam::{Vec2, Vec3};
 use pelage::assets::Assets;
-use pelage::layout::Fur;
+use pelage::layout::FurParameters;
 use pelage::pathtrace::grow::{GrowOptions, grow};
 use pelage::pathtrace::shell::shell;
 use pelage::pathtrace::strands::Strands;
@@ -30,7 +30,7 @@ fn furry(mesh: &str, coat: &str) -> World {
 /// A fur as volume and as hairs.
 struct Both {
     shell: Shell,
-    fur: Fur,
+    fur: FurParameters,
     strands: Strands,
     /// Middles of the triangles, cm.
     middles: Vec<Vec3>,

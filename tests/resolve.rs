@@ -46,7 +46,7 @@ fn agreement(blend: Blend, tolerance: f32) -> f64 {
     m.draw_strands();
     let (lists, bases) = (m.nodes(), m.bases());
     let found = m.resolve(blend == Blend::Exact);
-    let scenery = m.scenery();
+    let inputs = m.inputs();
     let fur = &m.fixture.fur;
     let (mut seen, mut good, mut sum, mut mixed) = (0u32, 0u32, 0f64, 0u32);
     for (i, xy) in m.places() {
@@ -54,7 +54,7 @@ fn agreement(blend: Blend, tolerance: f32) -> f64 {
         assert_eq!(found[i].fragments as usize, list.len());
         let wanted = if blend == Blend::Exact {
             let ray = sample_ray(&m.tile.frame, xy);
-            exact(&scenery, list.clone(), ray, first_phase(&m.tile.frame, xy), bases[i])
+            exact(&inputs, list.clone(), ray, first_phase(&m.tile.frame, xy), bases[i])
         } else {
             stored(fur, list.clone(), bases[i])
         };

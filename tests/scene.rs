@@ -5,7 +5,7 @@ mod common;
 use common::Folder;
 use pelage::{
     Error, Scene, SceneFault,
-    scene::{self, Blend, Color, Fur, Scalar, Shape, preset},
+    scene::{self, Blend, Color, FurLayers, Scalar, Shape, preset},
 };
 use proptest::prelude::*;
 
@@ -55,7 +55,7 @@ fn values_are_read() {
     assert_eq!(scene.guard.density, Scalar::Constant(100.0));
     assert!(matches!(&scene.guard.length, Scalar::Mapped(m) if m.value == 2.0 && m.offset == 0.5));
     assert!(matches!(&scene.guard.color_tip, Color::Mapped(m) if m.map == "vertex_color"));
-    assert_eq!(scene.render.fur, Fur::Implicit);
+    assert_eq!(scene.render.fur, FurLayers::Implicit);
     assert_eq!(scene.render.memory, 1_000_000_000);
     assert_eq!(scene.lights.len(), 1);
     assert_eq!(scene.lights[0].irradiance, [3.0; 3]);

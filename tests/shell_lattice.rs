@@ -6,7 +6,7 @@ mod gpu;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use gpu::{Fixture, image, jittered_grid, scaled, world_on};
-use pelage::layout::{Column, Fur, Prism, ShellVertex};
+use pelage::layout::{Column, FurParameters, Prism, ShellVertex};
 use pelage::reference::hash::random;
 use pelage::reference::lattice::{cell, column_index, column_lambda, node_index};
 use pelage::reference::shell::{Place, Shell};
@@ -57,7 +57,7 @@ fn columns_are_those_of_the_twin() {
 }
 
 /// A shell over a grid with its edges numbered, and the parameters of a lattice over it.
-fn lattice_of(n: u32) -> (Shell, Fur) {
+fn lattice_of(n: u32) -> (Shell, FurParameters) {
     let skin = jittered_grid(3, 0.2);
     let mut known = HashMap::new();
     let mut number = |a: u32, b: u32| {
@@ -80,13 +80,13 @@ fn lattice_of(n: u32) -> (Shell, Fur) {
         color: u32::MAX,
     };
     let vertices: Vec<ShellVertex> = (0..skin.positions.len()).map(vertex).collect();
-    let fur = Fur {
+    let fur = FurParameters {
         lattice: n,
         levels: 5,
         light_reach: 1.6,
         vertices: vertices.len() as u32,
         edges: known.len() as u32,
-        ..Fur::zeroed()
+        ..FurParameters::zeroed()
     };
     (Shell { vertices, prisms, corner_uv: Vec::new(), light_reach: 1.6 }, fur)
 }
@@ -152,7 +152,7 @@ const CODE: &str = "
 #import shared/lattice
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(3) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> fur: FurParameters;
 struct Query { lambda: vec3f, t: f32, prism: u32 }
 struct Answer { columns: vec3u, level: u32, weights: vec3f, fraction: f32, node: u32 }
 @group(0) @binding(50) var<storage, read> input: array<Query>;

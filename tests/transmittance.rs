@@ -5,7 +5,7 @@ mod worlds;
 
 use glam::{Vec2, Vec3};
 use pelage::reference::{noise::Field, shell::Shell, undercoat::Undercoat, view};
-use pelage::scene::{DirectionalLight, Fur};
+use pelage::scene::{DirectionalLight, FurLayers};
 use pelage::{World, camera};
 use worlds::{plane, render, square};
 
@@ -33,7 +33,7 @@ fn optical_depth(world: &World, angle: f64) -> f64 {
 fn error(degrees: f32, factor: f64) -> (f64, f64, [f64; 2]) {
     let irradiance = 3.0;
     let world = square(|s| {
-        s.render.fur = Fur::Implicit;
+        s.render.fur = FurLayers::Implicit;
         s.lights = vec![DirectionalLight { direction: [0.0, 1.0, 0.0], irradiance: [irradiance; 3] }];
         // All that is scattered goes on: the skin is lit as if it were bare, and shows the transmittance to the eye.
         s.undercoat.forward_scattering = 1.0;

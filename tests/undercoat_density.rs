@@ -67,7 +67,7 @@ fn the_volume_is_that_of_the_twin() {
 fn another_seed_is_seen() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = Fixture::new(gpu, furry("subdivision = 2", 3));
-    let other = pelage::layout::Fur { seed: 4, ..fixture.fur };
+    let other = pelage::layout::FurParameters { seed: 4, ..fixture.fur };
     let noise = fixture.noise();
     let wanted = media(&Undercoat { fur: &other, noise, shell: &fixture.shell, cells: &[] });
     let (density, tangent) = differences(&fixture, &wanted);

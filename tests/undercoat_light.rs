@@ -18,7 +18,7 @@ use pelage::reference::undercoat::{color, scatter};
 use pelage::reference::undercoat_light::Attenuator;
 use pelage::reference::undercoat_march::{first_phase, look_up, steps};
 use pelage::reference::view::sample_ray;
-use pelage::scene::Fur;
+use pelage::scene::FurLayers;
 use worlds::ball;
 
 /// Transmittances at the nodes against fine marches through the medium; returns mean and mean absolute difference.
@@ -65,12 +65,12 @@ fn nodes_agree_with_marches_through_the_medium() {
 #[test]
 fn look_up_stands_for_the_nested_march() {
     let Some(gpu) = gpu::open() else { return };
-    let m = Marched::new(gpu, ball(|s| s.render.fur = Fur::Implicit), [48, 32], [0, 0], [48, 32]);
+    let m = Marched::new(gpu, ball(|s| s.render.fur = FurLayers::Implicit), [48, 32], [0, 0], [48, 32]);
     let fur = m.fixture.fur;
     let densities = vec![1.0; fur.columns as usize];
     let guard = vec![0.0; (fur.columns * (fur.levels + 1)) as usize];
-    let scenery = m.scenery();
-    let medium = Attenuator { undercoat: scenery.undercoat, densities: &densities, guard: &guard };
+    let inputs = m.inputs();
+    let medium = Attenuator { undercoat: inputs.undercoat, densities: &densities, guard: &guard };
     let luminance = |c: Vec3| f64::from(c.dot(Vec3::new(0.2126, 0.7152, 0.0722)));
     let (mut looked_up, mut nested, mut squares, mut count) = (0f64, 0f64, 0f64, 0);
     let nodes = m.nodes();
@@ -78,13 +78,13 @@ fn look_up_stands_for_the_nested_march() {
         let Some(entry) = nodes[i].iter().find(|n| n.kind() == Kind::Entry) else { continue };
         let ray = sample_ray(&m.tile.frame, xy);
         let view = -ray.normalize();
-        let (steps, _) = steps(&scenery, ray, entry.id(), entry.z, first_phase(&m.tile.frame, xy));
+        let (steps, _) = steps(&inputs, ray, entry.id(), entry.z, first_phase(&m.tile.frame, xy));
         let (mut through, mut a, mut b) = (1f32, Vec3::ZERO, Vec3::ZERO);
         for s in steps.iter().filter(|s| s.sigma > 0.0) {
             let rest = (-s.sigma * (s.z_end - s.z)).exp();
             let x = s.place.point(s.place.t, s.place.lambda);
-            let albedo = look_up(&scenery, &s.place).albedo;
-            let tangent = scenery.undercoat.at(&s.place).tangent;
+            let albedo = look_up(&inputs, &s.place).albedo;
+            let tangent = inputs.undercoat.at(&s.place).tangent;
             let mut exact = Vec3::ZERO;
             for light in &m.fixture.packed.lights[..fur.lights as usize] {
                 let l = Vec3::from(light.direction);
@@ -92,8 +92,8 @@ fn look_up_stands_for_the_nested_march() {
                 let seen = (-tau * (1.0 - fur.forward_scattering * albedo)).exp();
                 exact += Vec3::from(light.irradiance)
                     * seen
-                    * scatter(scenery.coat, tangent, l, view, albedo)
-                    * color(scenery.coat, albedo);
+                    * scatter(inputs.coat, tangent, l, view, albedo)
+                    * color(inputs.coat, albedo);
             }
             a += through * (1.0 - rest) * s.radiance;
             b += through * (1.0 - rest) * exact;

@@ -12,7 +12,7 @@ use pelage::World;
 use pelage::reference::resolve::Kind;
 use pelage::reference::undercoat_march::{first_phase, fragments, steps};
 use pelage::reference::view::sample_ray;
-use pelage::scene::{Blend, FibreModel, Fur, Scene, Shape, Storage};
+use pelage::scene::{Blend, FibreModel, FurLayers, Scene, Shape, Storage};
 use worlds::world;
 
 /// A torus: rays that enter twice, graze, and see it from within its hole.
@@ -22,7 +22,7 @@ fn torus(edit: impl FnOnce(&mut Scene)) -> World {
         s.mesh.scale = Some(0.2);
         s.camera.eye = [0.0, 1.6, 6.0];
         s.camera.fov = 26.0;
-        s.render.fur = Fur::Implicit;
+        s.render.fur = FurLayers::Implicit;
         edit(s);
     })
 }
@@ -34,14 +34,14 @@ fn agreement(world: World) -> (f64, usize) {
     let entries = m.nodes();
     m.march();
     let (made, bases) = (m.nodes(), m.bases());
-    let scenery = m.scenery();
+    let inputs = m.inputs();
     let (mut seen, mut good, mut worst) = (0, 0, 0f32);
     for (i, xy) in m.places() {
         let into: Vec<(f32, u32)> =
             entries[i].iter().filter(|n| n.kind() == Kind::Entry).map(|n| (n.z, n.id())).collect();
         let z_base = bases[i].map_or(f32::INFINITY, |b| b.z);
         let ray = sample_ray(&m.tile.frame, xy);
-        let wanted = fragments(&scenery, ray, first_phase(&m.tile.frame, xy), &into, z_base);
+        let wanted = fragments(&inputs, ray, first_phase(&m.tile.frame, xy), &into, z_base);
         let found: Vec<_> = made[i].iter().filter(|n| n.kind() == Kind::Volume).collect();
         if into.is_empty() {
             assert!(found.is_empty(), "{xy:?}: fragments without an entry");
@@ -103,13 +103,13 @@ fn another_seed_does_not_agree() {
     let entries = m.nodes();
     m.march();
     let made = m.nodes();
-    let scenery = m.scenery();
+    let inputs = m.inputs();
     let mut frame = m.tile.frame;
     frame.seed += 1; // another phase
     let differing = m.places().filter(|(i, xy)| {
         let Some(entry) = entries[*i].iter().find(|n| n.kind() == Kind::Entry) else { return false };
         let wanted = fragments(
-            &scenery,
+            &inputs,
             sample_ray(&frame, *xy),
             first_phase(&frame, *xy),
             &[(entry.z, entry.id())],
@@ -126,12 +126,12 @@ fn another_seed_does_not_agree() {
 fn steps_join_and_stay_in_the_shell() {
     let Some(gpu) = gpu::open() else { return };
     let m = Marched::new(gpu, torus(|_| ()), [96, 64], [0, 0], [96, 64]);
-    let (scenery, nodes) = (m.scenery(), m.nodes());
+    let (inputs, nodes) = (m.inputs(), m.nodes());
     let mut count = 0;
     for (i, xy) in m.places() {
         for entry in nodes[i].iter().filter(|n| n.kind() == Kind::Entry) {
             let ray = sample_ray(&m.tile.frame, xy);
-            let (steps, lost) = steps(&scenery, ray, entry.id(), entry.z, first_phase(&m.tile.frame, xy));
+            let (steps, lost) = steps(&inputs, ray, entry.id(), entry.z, first_phase(&m.tile.frame, xy));
             assert!(!lost, "{xy:?}: lost");
             assert!(steps.first().is_none_or(|s| s.z == entry.z));
             for pair in steps.windows(2) {

@@ -1,6 +1,6 @@
 // The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of fixed length, hops over
 // the neighbour table. Depth z is the ray parameter (cm along the viewing direction).
-// Needs: source (array<vec4u>), shared/volume, shared/lattice, shared/coat, frame.
+// Needs: source (array<vec4u>), shared/volume, shared/lattice, shared/undercoat_fibre, frame.
 
 struct March {
     marching: bool,   // inside the shell
@@ -83,7 +83,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
             tau[j] = nested_tau(place, x, l) * ambient.a;
         }
         let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
-        sum += fur.key_irradiance[j].rgb * through * scatter_coat(m.tangent, l, view, albedo);
+        sum += fur.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
     }
     return vec4f(sum * coat_color(albedo), ambient.a);
 }

@@ -3,7 +3,7 @@
 use super::choice::{choice, word};
 use clap::Args;
 use pelage_core::assets::Assets;
-use pelage_core::scene::{Blend, Fur, Override, Tonemap};
+use pelage_core::scene::{Blend, FurLayers, Override, Tonemap};
 use pelage_core::{Result, Scene};
 use std::path::PathBuf;
 
@@ -23,8 +23,8 @@ pub(super) struct SceneArgs {
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     seed: Option<u32>,
     /// Which layers are rendered.
-    #[arg(long, value_parser = choice::<Fur>(), help_heading = "Scene overrides")]
-    fur: Option<Fur>,
+    #[arg(long, value_parser = choice::<FurLayers>(), help_heading = "Scene overrides")]
+    fur: Option<FurLayers>,
     /// How undercoat and guard hairs are blended.
     #[arg(long, value_parser = choice::<Blend>(), help_heading = "Scene overrides")]
     blend: Option<Blend>,

@@ -86,7 +86,7 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     let manifest = bake::load_manifest(&args.outdir.join(bake::MANIFEST))?;
     if args.json {
         let json = serde_json::to_value(&manifest)
-            .map_err(|e| Error::Check(format!("the manifest cannot be written as JSON: {e}")))?;
+            .map_err(|e| Error::Encoding(format!("the manifest cannot be written as JSON: {e}")))?;
         output::print_json(&json)
     } else if global.quiet {
         Ok(())

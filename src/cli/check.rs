@@ -6,7 +6,7 @@ use super::{
     output::{self, count, human_bytes},
 };
 use clap::Args;
-use pelage_core::scene::{Fur, Scalar, Storage};
+use pelage_core::scene::{FurLayers, Scalar, Storage};
 use pelage_core::{Error, Result, Scene, World};
 use serde::Serialize;
 
@@ -72,8 +72,8 @@ pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
 fn counts(world: &World) -> Counts {
     let (scene, skin) = (&world.scene, &world.skin);
     let area = skin.area();
-    let guard = matches!(scene.render.fur, Fur::Explicit | Fur::Hybrid);
-    let undercoat = matches!(scene.render.fur, Fur::Implicit | Fur::Hybrid);
+    let guard = matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid);
+    let undercoat = matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid);
     let (lo, hi) = skin.bounds();
     Counts {
         vertices: skin.positions.len() as u64,
@@ -120,7 +120,7 @@ fn bytes(world: &World, counts: &Counts) -> Bytes {
 
 fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
     let toml = toml::to_string(scene)
-        .map_err(|e| Error::Check(format!("the resolved scene cannot be written as TOML: {e}")))?;
+        .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
     let mut text = toml;
     text += "\n# What it is made of\n";
     text += &format!("# triangles    {} ({} vertices)\n", count(c.triangles), count(c.vertices));

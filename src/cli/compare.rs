@@ -98,7 +98,7 @@ impl Limits {
 /// Prints the metrics.
 ///
 /// # Errors
-/// [`Error::Check`] where a threshold is given and passed.
+/// [`Error::Unsupported`] where a threshold is given and passed.
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (image, reference) = (io::read(&args.a)?, io::read(&args.b)?);
@@ -112,14 +112,14 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
     }
     if args.json {
         let json = serde_json::to_value(&result)
-            .map_err(|e| Error::Check(format!("the comparison cannot be written as JSON: {e}")))?;
+            .map_err(|e| Error::Encoding(format!("the comparison cannot be written as JSON: {e}")))?;
         output::print_json(&json)?;
     } else {
         output::print(&format!("{result}\n"))?;
     }
     match result.exceeds_in(args.limits.region, &args.limits.thresholds()) {
         None => Ok(()),
-        Some(why) => Err(Error::Check(format!("{} and {}: {why}", args.a.display(), args.b.display()))),
+        Some(why) => Err(Error::GoalMissed(format!("{} and {}: {why}", args.a.display(), args.b.display()))),
     }
 }
 

@@ -20,7 +20,7 @@ pub(super) fn run(args: &DevicesArgs) -> Result<()> {
     let adapters = gpu::list_adapters();
     if args.json {
         let rows = serde_json::to_value(&adapters)
-            .map_err(|e| Error::Check(format!("the adapters cannot be written as JSON: {e}")))?;
+            .map_err(|e| Error::Encoding(format!("the adapters cannot be written as JSON: {e}")))?;
         output::print_json(&rows)?;
     } else {
         for a in &adapters {

@@ -115,7 +115,7 @@ fn picture(
         io::write(&frame.film, path, &metadata, &world.scene.film)?;
     }
     let json = serde_json::to_value(&frame.stats)
-        .map_err(|e| Error::Check(format!("the statistics cannot be written as JSON: {e}")))?;
+        .map_err(|e| Error::Unsupported(format!("the statistics cannot be written as JSON: {e}")))?;
     if let Some(path) = stats {
         output::write_json(path, &json)?;
     }

@@ -9,7 +9,7 @@ use pelage::gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use pelage::gpu::recorder::{RasterTargets, Timings};
 use pelage::gpu::{Buffer, Gpu, Recorder, Resource, Scope, shader};
 use pelage::groom::{self, PackedGroom};
-use pelage::layout::{Frame, Fur};
+use pelage::layout::{Frame, FurParameters};
 use pelage::maps::{MapImage, MapSet};
 use pelage::prepare::Prepared;
 use pelage::reference::groom::Maps;
@@ -99,7 +99,7 @@ pub struct Fixture {
     /// The groom as packed; its `fur` is not that of the renderer.
     pub packed: PackedGroom,
     /// Undercoat and lattice as the passes read them.
-    pub fur: Fur,
+    pub fur: FurParameters,
 }
 
 impl Fixture {

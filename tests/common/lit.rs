@@ -75,7 +75,7 @@ impl Lit {
             columns: &self.columns,
             tau: &self.tau,
             frame: &self.frame,
-            coat: &self.fixture.packed.coat_fibre,
+            coat: &self.fixture.packed.undercoat_fibre,
             multiple: self.multiple.0,
             table: self.multiple.1.as_ref(),
         }

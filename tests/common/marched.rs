@@ -11,7 +11,7 @@ use pelage::reference::base_raster;
 use pelage::reference::film::{Sample, unpack};
 use pelage::reference::resolve::{Base, Node};
 use pelage::reference::undercoat::Undercoat;
-use pelage::reference::undercoat_march::Scenery;
+use pelage::reference::undercoat_march::MarchInputs;
 
 /// A tile and its world.
 pub struct Marched {
@@ -48,18 +48,18 @@ impl Marched {
     }
 
     /// What the march reads.
-    pub fn scenery(&self) -> Scenery<'_> {
+    pub fn inputs(&self) -> MarchInputs<'_> {
         let undercoat = Undercoat {
             fur: &self.fixture.fur,
             noise: self.fixture.noise(),
             shell: &self.fixture.shell,
             cells: &self.cells,
         };
-        Scenery {
+        MarchInputs {
             undercoat,
             source: &self.source,
             frame: &self.tile.frame,
-            coat: &self.fixture.packed.coat_fibre,
+            coat: &self.fixture.packed.undercoat_fibre,
         }
     }
 

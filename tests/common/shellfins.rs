@@ -10,7 +10,7 @@ use pelage::gpu::recorder::Timings;
 use pelage::layout::{Frame, ShellVertex};
 use pelage::reference::hash::random;
 use pelage::scene::BakeSource;
-use pelage::shellfin::{Moment, Rows, Shellfins};
+use pelage::shellfin::{Pose, Rows, Shellfins};
 use pelage::{Skin, World, camera};
 
 /// A closed body of eight triangles with uv, 2 cm across.
@@ -106,7 +106,7 @@ impl Fur<'static> {
         let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
         let mut timings = Timings::default();
         let fur = Shellfins::new(gpu, world, &textures, &frame, &mut timings).expect("a fur");
-        let rows = fur.rows(&frame, &Moment { bend }, &mut timings).expect("rows");
+        let rows = fur.rows(&frame, &Pose { bend }, &mut timings).expect("rows");
         Self { fur, rows, frame, textures, world }
     }
 

@@ -4,7 +4,7 @@
 
 use pelage::film::Film;
 use pelage::render::{Frame, RenderOptions};
-use pelage::scene::{DirectionalLight, Filter, Fur, Scene, Shape};
+use pelage::scene::{DirectionalLight, Filter, FurLayers, Scene, Shape};
 use pelage::{World, assets::Assets};
 
 /// A ball of 1 cm radius in short fur under two lights, 96 x 64 pixels of 4 samples, after `edit`.
@@ -47,7 +47,7 @@ pub fn world(edit: impl FnOnce(&mut Scene)) -> World {
     scene.undercoat.density = 12_000.0.into();
     scene.undercoat.layers = 12;
     scene.undercoat.cell = 0.06;
-    scene.render.fur = Fur::Hybrid;
+    scene.render.fur = FurLayers::Hybrid;
     edit(&mut scene);
     World::load(scene, &Assets::default()).expect("a world")
 }

@@ -52,9 +52,15 @@ pub enum Error {
     /// The user interrupted (exit code 130).
     #[error("interrupted")]
     Interrupted,
-    /// A comparison or check did not hold (exit code 1).
+    /// A comparison passed its threshold, or a goal of the validation was missed (exit code 1).
     #[error("{0}")]
-    Check(String),
+    GoalMissed(String),
+    /// What was asked for cannot be done with this input (exit code 1).
+    #[error("{0}")]
+    Unsupported(String),
+    /// A value cannot be written as JSON or TOML (exit code 1).
+    #[error("{0}")]
+    Encoding(String),
 }
 
 /// One fault of a scene file or of an asset, with its place.
@@ -120,7 +126,8 @@ impl Error {
     /// 5 device lost; 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
-            Self::Io { .. } | Self::Gpu { .. } | Self::OutOfMemory { .. } | Self::Check(_) => 1,
+            Self::Io { .. } | Self::Gpu { .. } | Self::OutOfMemory { .. } => 1,
+            Self::GoalMissed(_) | Self::Unsupported(_) | Self::Encoding(_) => 1,
             Self::Usage(_) => 2,
             Self::Scene(_) => 3,
             Self::Adapter(_) => 4,

@@ -76,13 +76,13 @@ impl Film {
     /// The planes `R G B A` as premultiplied linear pixels.
     ///
     /// # Errors
-    /// [`Error::Check`] if a plane is missing or has the wrong number of values.
+    /// [`Error::Unsupported`] if a plane is missing or has the wrong number of values.
     pub fn premultiplied(&self) -> Result<Vec<[f32; 4]>> {
         self.validate()?;
         let mut pixels = vec![[0.0; 4]; self.pixels()];
         for (c, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
             let plane =
-                self.plane(name).ok_or_else(|| Error::Check(format!("the film has no plane {name}")))?;
+                self.plane(name).ok_or_else(|| Error::Unsupported(format!("the film has no plane {name}")))?;
             pixels.iter_mut().zip(plane).for_each(|(to, from)| to[c] = *from);
         }
         Ok(pixels)
@@ -100,14 +100,14 @@ impl Film {
     /// Checks that the film has pixels, that each plane has as many values, and that names are unique.
     ///
     /// # Errors
-    /// [`Error::Check`] with the plane and both counts.
+    /// [`Error::Unsupported`] with the plane and both counts.
     pub fn validate(&self) -> Result<()> {
         if self.pixels() == 0 {
-            return Err(Error::Check(format!("the film is empty: {} x {} pixels", self.width, self.height)));
+            return Err(Error::Unsupported(format!("the film is empty: {} x {} pixels", self.width, self.height)));
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if plane.data.len() != self.pixels() {
-                return Err(Error::Check(format!(
+                return Err(Error::Unsupported(format!(
                     "plane {} has {} values, expected {} ({} x {})",
                     plane.name,
                     plane.data.len(),
@@ -117,7 +117,7 @@ impl Film {
                 )));
             }
             if self.planes[..i].iter().any(|other| other.name == plane.name) {
-                return Err(Error::Check(format!("the film has two planes called {}", plane.name)));
+                return Err(Error::Unsupported(format!("the film has two planes called {}", plane.name)));
             }
         }
         Ok(())

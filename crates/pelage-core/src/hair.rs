@@ -79,9 +79,9 @@ impl HairFile {
 
     /// Writes a file, atomically: it appears whole or not at all.
     ///
-    /// Errors: [`Error::Check`] where the arrays do not fit each other, [`Error::Io`].
+    /// Errors: [`Error::Unsupported`] where the arrays do not fit each other, [`Error::Io`].
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.check().map_err(|m| Error::Check(format!("{}: {m}: not written", path.display())))?;
+        self.check().map_err(|m| Error::Unsupported(format!("{}: {m}: not written", path.display())))?;
         write_buffered(path, |out| Ok(self.to_writer(out)?))
     }
 

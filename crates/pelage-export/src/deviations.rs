@@ -2,7 +2,7 @@
 
 use super::sky::Sky;
 use super::{Job, Target, curves, material, skin_colors};
-use pelage_core::scene::{Background, Filter, Fur, Shading};
+use pelage_core::scene::{Background, Filter, FurLayers, Shading};
 use pelage_fur::Layer;
 use pelage_fur::groom;
 
@@ -43,7 +43,7 @@ fn hairs(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
                 .into(),
         );
     }
-    if scene.render.fur == Fur::Shells {
+    if scene.render.fur == FurLayers::Shells {
         notes.push("the scene renders shells with textures; here are the hairs of its groom".into());
     }
     if scene.render.shading == Shading::Paper {

@@ -18,7 +18,7 @@ pub(super) fn layers(job: &mut Job<'_>) -> Result<()> {
         let name = format!("{}.hair", curves::name(strands.layer));
         let points = curves::Counts::of(strands).points;
         if u32::try_from(points).is_err() {
-            return Err(Error::Check(format!(
+            return Err(Error::Unsupported(format!(
                 "{name}: {points} points are too many for a HAIR file, expected at most {}: export a smaller part",
                 u32::MAX
             )));

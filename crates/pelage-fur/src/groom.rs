@@ -1,12 +1,12 @@
 //! The groom as the passes read it: scene values in the units and structs of the shaders.
 
 use crate::fibre::Fibre;
-use crate::layout::{Fur, Groom, Light, Noise, Parameter};
+use crate::layout::{FurParameters, Groom, Light, Noise, Parameter};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 use pelage_core::maps::MapSet;
 use pelage_core::scene::{
-    Blend, Color, FibreModel, FibreSpec, Fur as FurLayers, MultipleModel, NoiseDomain, Scalar, Scene,
+    Blend, Color, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene,
     Shading, ShellLighting,
 };
 use pelage_core::{Result, World};
@@ -29,11 +29,11 @@ pub struct PackedGroom {
     /// First texels of the tables of guard hairs and undercoat.
     pub table_bases: [u32; 2],
     /// Undercoat; the lattice and storage fields are set by the renderer.
-    pub fur: Fur,
+    pub fur: FurParameters,
     /// Scattering of guard hairs.
     pub guard_fibre: Fibre,
     /// Scattering of the undercoat.
-    pub coat_fibre: Fibre,
+    pub undercoat_fibre: Fibre,
     /// The noise tables.
     pub noise: Noise,
     /// All lights, padded to the uniform's length.
@@ -91,10 +91,10 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     };
     let guard = &scene.guard;
     let coat = &scene.undercoat;
-    let no_coat = !has_undercoat(scene);
+    let no_undercoat = !has_undercoat(scene);
     // Without undercoat the shell still carries the light lattice of the guard hairs.
     let shell_height =
-        if no_coat { Scalar::Constant(0.5 * guard.length.max().max(0.02)) } else { coat.height.clone() };
+        if no_undercoat { Scalar::Constant(0.5 * guard.length.max().max(0.02)) } else { coat.height.clone() };
     let parameters = [
         maps.scalar(&guard.density),
         maps.scalar(&guard.length),
@@ -137,10 +137,10 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         paper: u32::from(paper),
         padding: 0,
     };
-    let extinction = if no_coat { 0.0 } else { coat.density.max() * coat.diameter[0] * 1e-4 };
+    let extinction = if no_undercoat { 0.0 } else { coat.density.max() * coat.diameter[0] * 1e-4 };
     let height = shell_height.max();
     let free_path = if extinction > 0.0 { 1.0 / extinction } else { height };
-    let fur = Fur {
+    let fur = FurParameters {
         layers: coat.layers,
         storage: 0,
         noise_domain: u32::from(coat.noise_domain == NoiseDomain::Uv),
@@ -180,9 +180,9 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         key_direction: [[0.0; 4]; 2],
         key_irradiance: [[0.0; 4]; 2],
     };
-    let (guard_fibre, coat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
+    let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
     let mut texels = maps.finish();
-    let table_bases = [&guard_fibre, &coat_fibre].map(|fibre| {
+    let table_bases = [&guard_fibre, &undercoat_fibre].map(|fibre| {
         let base = texels.len() as u32;
         texels.extend(fibre.texels());
         base
@@ -196,14 +196,14 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         table_bases,
         fur,
         guard_fibre,
-        coat_fibre,
+        undercoat_fibre,
         noise: noise_tables(scene.render.seed),
         lights,
     })
 }
 
 /// Lights, and the two brightest of the undercoat's as key lights.
-fn pack_lights(world: &World, mut fur: Fur) -> (Fur, Vec<Light>) {
+fn pack_lights(world: &World, mut fur: FurParameters) -> (FurParameters, Vec<Light>) {
     let mut lights: Vec<Light> = world
         .lights
         .iter()

@@ -46,7 +46,7 @@ pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
 ///
 /// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
 /// nothing pops. Andersen et al. 2016, sec. 3 calls this dynamic resolution and does not state its criterion.
-pub fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, u64) {
+pub fn subdivide(skin: &Skin, world: &World, has_undercoat_layer: bool) -> (Vec<[u32; 2]>, u64) {
     let coat = &world.scene.undercoat;
     let layers = u64::from(coat.layers);
     let mut base = 0u64;
@@ -57,7 +57,7 @@ pub fn subdivide(skin: &Skin, world: &World, has_coat: bool) -> (Vec<[u32; 2]>, 
             let wanted = (longest / coat.cell.max(1e-4)).max(1.0).log2().ceil() as u32;
             let d = coat.subdivision.unwrap_or(wanted.min(6));
             let first = base;
-            if has_coat {
+            if has_undercoat_layer {
                 base += layers << (2 * d);
             }
             // Past 32 bits the volume is evaluated, and the number is only a label.

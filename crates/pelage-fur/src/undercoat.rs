@@ -2,7 +2,7 @@
 
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
-use crate::layout::Fur;
+use crate::layout::FurParameters;
 use crate::octahedral;
 use crate::random::{hash2, random, random_direction};
 use crate::shell::{Place, Shell, subelement, subelement_centroid};
@@ -44,7 +44,7 @@ pub fn sine(a: Vec3, b: Vec3) -> f32 {
 }
 
 /// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
-pub fn extinction(fur: &Fur, m: Medium, w: Vec3) -> f32 {
+pub fn extinction(fur: &FurParameters, m: Medium, w: Vec3) -> f32 {
     let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
     fur.extinction * m.density * shown
 }
@@ -84,7 +84,7 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
 #[derive(Clone, Copy)]
 pub struct Undercoat<'a> {
     /// Parameters.
-    pub fur: &'a Fur,
+    pub fur: &'a FurParameters,
     /// The noise.
     pub noise: Field,
     /// The shell.

@@ -75,7 +75,7 @@ pub enum Hit {
 /// What a ray leaves. A ray that leaves a hair starts on its axis. It meets the same hair again only where it comes in through the
 /// side after it has gone out, that is beyond the radius over the sine of its angle to the axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Departure {
+pub struct RayOrigin {
     first: u32,
     end: u32,
     clear: f32,
@@ -102,7 +102,7 @@ impl Geometry {
     /// Takes the skin of `world` and hairs with their scattering.
     ///
     /// # Errors
-    /// [`Error::Check`] where a coat's points, hairs and opacities do not fit each other, or there are more than 2³¹ points.
+    /// [`Error::Unsupported`] where a coat's points, hairs and opacities do not fit each other, or there are more than 2³¹ points.
     pub fn new(world: &World, coats: Vec<(Strands, Fibre)>) -> Result<Self> {
         let mut points: Vec<Vec4> = Vec::new();
         let mut kept = Vec::new();
@@ -111,7 +111,7 @@ impl Geometry {
             check(&strands)?;
             let first = points.len() as u64;
             if first + strands.points.len() as u64 >= 1 << 31 {
-                return Err(Error::Check("there are more than 2^31 points of hairs: trace a patch".into()));
+                return Err(Error::Unsupported("there are more than 2^31 points of hairs: trace a patch".into()));
             }
             let mut own = std::mem::take(&mut strands.points);
             mark_ends(&strands, &mut own, first as u32, &mut parts);
@@ -165,7 +165,7 @@ impl Geometry {
     }
 
     /// What a ray comes to first, and how far away it is. `word` decides by chance which half-opaque hairs let it through.
-    pub fn closest(&self, ray: &Ray, from: &Departure, word: u32, stack: &mut Stack) -> Option<(Hit, f32)> {
+    pub fn closest(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> Option<(Hit, f32)> {
         let skin = self.closest_skin(ray, stack);
         let limit = skin.map_or(f32::INFINITY, |(_, t)| t);
         let mut best: Option<(u32, Cone, Span)> = None;
@@ -200,7 +200,7 @@ impl Geometry {
     }
 
     /// Whether anything stands in the way of a ray to infinity.
-    pub fn blocked(&self, ray: &Ray, from: &Departure, word: u32, stack: &mut Stack) -> bool {
+    pub fn blocked(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> bool {
         let skin = self.triangles.walk(ray, f32::INFINITY, stack, |triangle, limit| {
             self.meet_triangle(ray, triangle, limit).map_or(limit, |_| -1.0)
         });
@@ -219,7 +219,7 @@ impl Geometry {
         &self,
         ray: &Ray,
         point: u32,
-        from: &Departure,
+        from: &RayOrigin,
         word: u32,
         limit: f32,
     ) -> Option<(f32, Cone, Span)> {
@@ -315,13 +315,13 @@ impl Geometry {
     }
 
     /// What a ray along `direction` leaves that starts at a hit hair's axis.
-    pub fn departure(&self, hit: &HairHit, direction: Vec3A) -> Departure {
+    pub fn departure(&self, hit: &HairHit, direction: Vec3A) -> RayOrigin {
         let coat = self.coat(hit.point);
         let (strand, segment) = coat.place(hit.point);
         let first = hit.point - segment as u32;
         debug_assert_eq!(first, coat.first + (strand * (coat.strands.segments + 1)) as u32);
         let sin = (1.0 - direction.dot(hit.axis).powi(2)).max(1e-6).sqrt();
-        Departure { first, end: first + coat.strands.segments as u32 + 1, clear: 1.01 * hit.radius / sin }
+        RayOrigin { first, end: first + coat.strands.segments as u32 + 1, clear: 1.01 * hit.radius / sin }
     }
 
     /// Reflectance, smoothed normal and geometric normal of the skin where it is hit.
@@ -364,7 +364,7 @@ fn check(strands: &Strands) -> Result<()> {
     if fits {
         return Ok(());
     }
-    Err(Error::Check(format!(
+    Err(Error::Unsupported(format!(
         "{:?} hairs: {} hairs of {} segments (1 to 64) with {} points, expected {points} finite ones; {} opacities, expected none or {}",
         strands.layer,
         strands.hairs.len(),

@@ -4,7 +4,7 @@ use super::{
     bvh::{Ray, Stack},
     camera::View,
     curve,
-    geometry::{Departure, Geometry, HairHit, Hit, Shaded, SkinHit},
+    geometry::{RayOrigin, Geometry, HairHit, Hit, Shaded, SkinHit},
     light::Lights,
     random::Numbers,
 };
@@ -100,7 +100,7 @@ impl Tracer {
         let camera = self.view.ray(pixel, numbers.four());
         let mut seen = Seen { weight: camera.weight, ..Seen::default() };
         let mut ray = camera.ray;
-        let mut from = Departure::default();
+        let mut from = RayOrigin::default();
         let mut carried = Vec3::ONE;
         // Density with which the last scattering drew the ray's direction.
         let mut drawn = 0.0;
@@ -195,12 +195,12 @@ impl Tracer {
         })
     }
 
-    fn leave(&self, place: &Place<'_>, direction: Vec3A) -> (Ray, Departure) {
+    fn leave(&self, place: &Place<'_>, direction: Vec3A) -> (Ray, RayOrigin) {
         match place {
             Place::Hair(hit, ..) => {
                 (Ray::new(hit.position, direction), self.geometry.departure(hit, direction))
             }
-            Place::Skin { position, .. } => (Ray::new(*position, direction), Departure::default()),
+            Place::Skin { position, .. } => (Ray::new(*position, direction), RayOrigin::default()),
         }
     }
 

@@ -160,13 +160,13 @@ impl Tracer {
     /// Builds what rays are traced through.
     ///
     /// # Errors
-    /// [`Error::Check`] if hairs do not fit each other or the memory, [`Error::Scene`] if the environment's map is missing.
+    /// [`Error::Unsupported`] if hairs do not fit each other or the memory, [`Error::Scene`] if the environment's map is missing.
     pub fn new(world: &World, coats: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
         let needed = estimate(world, &coats);
         if needed > options.memory {
             let hairs: usize = coats.iter().map(|(s, _)| s.hairs.len()).sum();
             let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
-            return Err(Error::Check(format!(
+            return Err(Error::Unsupported(format!(
                 "{hairs} hairs take about {:.1} GiB of main memory, more than the {:.1} GiB allowed: raise --memory, or trace a \
                  part of the fur with --patch",
                 gib(needed),

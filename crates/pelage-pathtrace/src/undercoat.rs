@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 use pelage_core::World;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::Fur;
+use pelage_fur::layout::FurParameters;
 use pelage_fur::parameters::{Maps, Parameter, skin_point};
 use pelage_fur::random::{hash2, random, random_direction};
 use pelage_fur::shell::{Located, Place, Shell};
@@ -30,7 +30,7 @@ pub(super) struct Grower<'a> {
     shell: &'a Shell,
     maps: Maps<'a>,
     /// The volume's parameters, without the taper: that is the hairs' diameter, not their number.
-    fur: Fur,
+    fur: FurParameters,
     noise: Field,
     /// Largest density of the volume relative to its mean.
     densest: f32,
@@ -42,7 +42,7 @@ pub(super) struct Grower<'a> {
 }
 
 /// What is random about a hair.
-struct Whims {
+struct HairVariation {
     /// The hair is there where the relative density is above this.
     threshold: f32,
     /// Where in each segment the density is read, 0..1.
@@ -53,7 +53,7 @@ struct Whims {
     turn: [Vec3; 2],
 }
 
-impl Whims {
+impl HairVariation {
     fn of(seed: u32) -> Self {
         let first = random_direction(seed, 8);
         let second = random_direction(seed, 10);
@@ -97,7 +97,7 @@ impl<'a> Grower<'a> {
         Self {
             shell,
             maps: Maps { groom: &packed.groom, texels: &packed.texels },
-            fur: Fur { diameter_ratio: 1.0, ..fur },
+            fur: FurParameters { diameter_ratio: 1.0, ..fur },
             noise: Field::new(fur.seed),
             // Largest sum of 0.5 clumps and 0.6 locks: the noise reaches 0.99 in the plane and 0.81 in space.
             densest: 1.0 + fur.noise_contrast * if fur.noise_domain == 1 { 1.1 } else { 0.9 },
@@ -175,14 +175,14 @@ impl<'a> Grower<'a> {
 
     /// Grows the hair with its root at barycentric coordinates; its points are added to `points`. None where no segment is there.
     pub fn hair_at(&self, prism: u32, lambda: Vec3, seed: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
-        let whims = Whims::of(seed);
+        let variation = HairVariation::of(seed);
         let at = skin_point(self.shell, prism, lambda);
         let density = self.maps.scalar(Parameter::UndercoatDensity, &at) / self.fur.density;
         let place = Place { t: 0.0, lambda, ..self.shell.enter(prism) };
         if density <= 0.0 || place.extrusion(lambda).length_squared() < 1e-12 {
             return None;
         }
-        let threshold = whims.threshold * self.densest / density;
+        let threshold = variation.threshold * self.densest / density;
         let coat = self.coat();
         let first = points.len();
         let mut present = 0;
@@ -192,14 +192,14 @@ impl<'a> Grower<'a> {
         for k in 0..self.segments {
             let t = k as f32 * dt;
             // Halfway first, then the whole step by the direction there.
-            let half = self.climb(&walker, t, t + 0.5 * dt, self.direction(&walker.place, t, &whims));
-            let along = self.direction(&half.place, t + 0.5 * dt, &whims);
+            let half = self.climb(&walker, t, t + 0.5 * dt, self.direction(&walker.place, t, &variation));
+            let along = self.direction(&half.place, t + 0.5 * dt, &variation);
             let end = if k + 1 == self.segments { 1.0 } else { t + dt };
             let next = self.climb(&walker, t, end, along);
             // Where in the segment the density is read differs from hair to hair, so that the mean is that of the segment.
-            let t_read = t + whims.phase * dt;
+            let t_read = t + variation.phase * dt;
             let read = self.climb(&walker, t, t_read, along);
-            if self.density(&coat, &read, t_read, &whims) > threshold {
+            if self.density(&coat, &read, t_read, &variation) > threshold {
                 present |= 1 << k;
             }
             walker = next;
@@ -225,18 +225,18 @@ impl<'a> Grower<'a> {
     }
 
     /// The volume's density relative to its mean, at a point of a hair.
-    fn density(&self, coat: &Undercoat<'_>, at: &Walker, t: f32, whims: &Whims) -> f32 {
+    fn density(&self, coat: &Undercoat<'_>, at: &Walker, t: f32, variation: &HairVariation) -> f32 {
         let p = coat.domain_point(&at.place, at.place.lambda) + at.beyond.unwrap_or_default();
         let growth = t.powf(self.fur.jitter_exponent);
-        coat.clump_density(p, p + self.fur.uv_jitter * growth * whims.displaced, t)
+        coat.clump_density(p, p + self.fur.uv_jitter * growth * variation.displaced, t)
     }
 
     /// Direction of a hair, one along the shell's direction: the volume's tangent with a turn that is the hair's own and smooth
     /// along it, where the volume draws one for each cell.
-    fn direction(&self, place: &Place, t: f32, whims: &Whims) -> Vec3 {
+    fn direction(&self, place: &Place, t: f32, variation: &HairVariation) -> Vec3 {
         let up = place.extrusion(place.lambda).normalize_or(Vec3::Y);
         let growth = t.powf(self.fur.jitter_exponent);
-        let tangent = (up + Vec3::from(self.fur.lean) * t + self.fur.tangent_jitter * growth * whims.turn(t))
+        let tangent = (up + Vec3::from(self.fur.lean) * t + self.fur.tangent_jitter * growth * variation.turn(t))
             .normalize_or(up);
         let rise = tangent.dot(up);
         // DEVIATION: the volume's tangents may lie flat or point down; a hair that did would never reach the top.

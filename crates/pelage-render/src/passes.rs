@@ -82,7 +82,7 @@ impl Variant {
 
     /// The constant that fixes the undercoat's model.
     pub fn coat(self) -> (&'static str, f64) {
-        ("COAT_MODEL", f64::from(self.coat))
+        ("UNDERCOAT_MODEL", f64::from(self.coat))
     }
 }
 

@@ -8,12 +8,12 @@ use crate::passes::hair_roots::HairRoots;
 use crate::passes::{Passes, Variant};
 use lattice::Lattice;
 use occluders::bvh;
-use pelage_core::scene::{Fur as FurLayers, LightLookup, MultipleModel, Storage};
+use pelage_core::scene::{FurLayers, LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, World};
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::{Frame, Fur, Root};
+use pelage_fur::layout::{Frame, FurParameters, Root};
 use pelage_fur::surface::{corner_uv, number_edges, skin_vertices, subdivide, vertex_uv};
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Gpu, Recorder, Scope};
@@ -28,7 +28,7 @@ pub struct Prepared<'g> {
     /// The kernels.
     pub passes: Arc<Passes>,
     /// Undercoat and lattice parameters as uploaded.
-    pub fur: Fur,
+    pub fur: FurParameters,
     /// Segments a strand.
     pub segments: u32,
     /// Triangles of the skin.
@@ -48,7 +48,7 @@ pub struct Prepared<'g> {
     /// What the passes are compiled for.
     pub variant: Variant,
     buffers: Vec<Buffer>,
-    /// `coat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the light's nodes.
+    /// `undercoat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the light's nodes.
     rows_fibre: Buffer,
     tables: Tables,
 }
@@ -92,7 +92,7 @@ impl<'g> Prepared<'g> {
         let scattered =
             matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
                 .then(|| Table::of_world(world, &packed));
-        let PackedGroom { groom, texels, table_bases, mut fur, guard_fibre, coat_fibre, noise, lights } =
+        let PackedGroom { groom, texels, table_bases, mut fur, guard_fibre, undercoat_fibre, noise, lights } =
             packed;
         let skin = &world.skin;
         let triangles = skin.triangles.len() as u32;
@@ -110,8 +110,8 @@ impl<'g> Prepared<'g> {
             gpu.storage("shell_vertices", 1, u64::from(vertices) * 32)?,
             gpu.storage("prisms", 1, u64::from(triangles) * 48)?,
         ];
-        let has_coat = groom::has_undercoat(&world.scene);
-        let (subdivisions, cells) = subdivide(skin, world, has_coat);
+        let has_undercoat_layer = groom::has_undercoat(&world.scene);
+        let (subdivisions, cells) = subdivide(skin, world, has_undercoat_layer);
         let cell_bytes = cells * 4;
         let room = gpu.binding_limit().min(budget * 2 / 5);
         let stored = match world.scene.undercoat.storage {
@@ -130,11 +130,11 @@ impl<'g> Prepared<'g> {
             MultipleModel::Transport => 2,
         };
         let variant =
-            Variant { stored, nested, guard: guard_fibre.number(), coat: coat_fibre.number(), multiple };
+            Variant { stored, nested, guard: guard_fibre.number(), coat: undercoat_fibre.number(), multiple };
         let tables = Tables::new(gpu, scattered.as_ref())?;
         let passes = Passes::of(gpu, variant)?;
-        let coat_table = coat_fibre.texels();
-        let room = gpu.binding_limit().saturating_sub(8 * coat_table.len() as u64);
+        let undercoat_table = undercoat_fibre.texels();
+        let room = gpu.binding_limit().saturating_sub(8 * undercoat_table.len() as u64);
         let lattice = Lattice::plan(skin, world, &fur, room);
         fur.lattice = lattice.edge;
         fur.levels = lattice.levels;
@@ -144,7 +144,7 @@ impl<'g> Prepared<'g> {
         let columns = lattice.columns(skin, &edge_numbers, edges);
         fur.columns = columns.len() as u32;
         made.push(gpu.uniform("fur", &fur)?);
-        made.push(gpu.uniform("coat_fibre", &coat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?);
+        made.push(gpu.uniform("undercoat_fibre", &undercoat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?);
 
         // Step 1
         let neighbours = gpu.storage("neighbours", 1, u64::from(triangles) * 12)?;
@@ -187,7 +187,7 @@ impl<'g> Prepared<'g> {
         made.push(gpu.upload("columns", 2, &columns)?);
         {
             let scope = scope_of(&made);
-            let _counts = if stored && has_coat {
+            let _counts = if stored && has_undercoat_layer {
                 Some(passes.undercoat_density.record(gpu, &mut recorder, &scope, triangles, fur.layers)?)
             } else {
                 None
@@ -212,9 +212,9 @@ impl<'g> Prepared<'g> {
             variant,
             buffers: made,
             tables,
-            rows_fibre: gpu.uniform("coat_fibre", &coat_fibre.packed(table_bases[1]))?,
+            rows_fibre: gpu.uniform("undercoat_fibre", &undercoat_fibre.packed(table_bases[1]))?,
         };
-        prepared.light(world, nodes, pairs, &coat_table, timings)?;
+        prepared.light(world, nodes, pairs, &undercoat_table, timings)?;
         Ok(prepared)
     }
 

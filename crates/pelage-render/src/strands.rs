@@ -13,11 +13,11 @@ use pelage_gpu::recorder::Timings;
 /// space, the diameter in cm and 1 - opacity at each point.
 ///
 /// # Errors
-/// [`Error::Check`] if the scene renders no guard hairs; else as [`super::render`].
+/// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`super::render`].
 pub fn strands(world: &World) -> Result<HairFile> {
     let scene = &world.scene;
     if !groom::has_guard(scene) {
-        return Err(Error::Check(format!(
+        return Err(Error::Unsupported(format!(
             "the scene renders no guard hairs: render.fur is {}, guard.density at most {}",
             format!("{:?}", scene.render.fur).to_lowercase(),
             scene.guard.density.max()
@@ -46,7 +46,7 @@ fn append(hair: &mut HairFile, prepared: &Prepared<'_>, strands: &Strands) -> Re
         return Ok(());
     }
     let segments = u16::try_from(prepared.segments).map_err(|_| {
-        Error::Check(format!("{} segments a strand are too many for a HAIR file", prepared.segments))
+        Error::Unsupported(format!("{} segments a strand are too many for a HAIR file", prepared.segments))
     })?;
     let points = u64::from(strands.count) * (u64::from(segments) + 1);
     let buffer =

@@ -1,7 +1,7 @@
 //! Rendering any scene: hybrid fur, or shells and fins where `render.fur` says so.
 
 use crate::shellfin;
-use pelage_core::scene::Fur;
+use pelage_core::scene::FurLayers;
 use pelage_core::{Result, World};
 use pelage_gpu::Gpu;
 use pelage_render::driver::Run;
@@ -43,7 +43,7 @@ pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Resul
 
 fn run_of(world: &World) -> &'static Run {
     match world.scene.render.fur {
-        Fur::Shells => &shellfin::run,
-        Fur::Base | Fur::Explicit | Fur::Implicit | Fur::Hybrid => &pelage_render::run,
+        FurLayers::Shells => &shellfin::run,
+        FurLayers::Base | FurLayers::Explicit | FurLayers::Implicit | FurLayers::Hybrid => &pelage_render::run,
     }
 }

@@ -59,13 +59,13 @@ pub struct Shellfins<'g> {
 
 /// What changes from frame to frame beside the camera.
 #[derive(Debug, Clone, Copy, Default)]
-pub struct Moment {
+pub struct Pose {
     /// Displacement of the tips by forces, cm, world space. What is longer than the fur is high counts as long as that, and hair
     /// that `shells.length` shortens is bent less in the same proportion.
     pub bend: Vec3,
 }
 
-impl Moment {
+impl Pose {
     /// `time` s after the scene's first frame, for fur `height` cm high ([`Shellfins::height`]). At time 0 the hair rests under gravity
     /// and the mean wind.
     // [Xbdev]
@@ -268,7 +268,7 @@ impl<'g> Shellfins<'g> {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if the rows do not fit a binding, [`Error::Gpu`].
-    pub fn rows(&self, frame: &Frame, moment: &Moment, timings: &mut Timings) -> Result<Rows> {
+    pub fn rows(&self, frame: &Frame, pose: &Pose, timings: &mut Timings) -> Result<Rows> {
         let gpu = self.gpu;
         let shells = &self.world.scene.shells;
         let distance = (Vec3::from(frame.eye) - self.bounds.0).length() / self.bounds.1.max(1e-6);
@@ -277,7 +277,7 @@ impl<'g> Shellfins<'g> {
         let jitter = |height: f32| stray_variance(self.world, source, height * self.base.height);
         let all = rows(shells, self.layers, drawn, distance, &self.means, &jitter);
         let count = all.len() as u32;
-        let bend = moment.by_height(self.base.height).into();
+        let bend = pose.by_height(self.base.height).into();
         let shellfin = Shellfin { bend, shells: count - FIN_ROWS, ..self.base };
         let elements = u64::from(count) * u64::from(self.base.vertices);
         let buffers = [

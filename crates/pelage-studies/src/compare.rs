@@ -140,7 +140,7 @@ impl std::fmt::Display for Comparison {
 /// Compares an image with a reference of the same size.
 ///
 /// # Errors
-/// [`Error::Check`] if the sizes differ (with both), or if a film lacks a plane of `R G B A`.
+/// [`Error::Unsupported`] if the sizes differ (with both), or if a film lacks a plane of `R G B A`.
 pub fn compare(image: &Film, reference: &Film) -> Result<Comparison> {
     compare_with(image, reference, &Options::default())
 }
@@ -231,7 +231,7 @@ struct Pair {
 impl Pair {
     fn new(image: &Film, reference: &Film, exposure: f64) -> Result<Self> {
         if (image.width, image.height) != (reference.width, reference.height) {
-            return Err(Error::Check(format!(
+            return Err(Error::Unsupported(format!(
                 "the image is {} x {} pixels, the reference {} x {}: only images of the same size can be compared",
                 image.width, image.height, reference.width, reference.height
             )));

@@ -2,23 +2,23 @@
 //! and a caption.
 //!
 //! Panels are scenes rendered as any other picture, and need no code. What is more than scenes side by side is a [`study`]. Either way
-//! a figure becomes a [`Made`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
+//! a figure becomes a [`FigureContent`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
 //! records, `golden` holds small versions against those that are kept.
 
 mod drawing;
 mod golden;
-mod made;
+mod content;
 mod markdown;
 mod page;
 mod panel;
 mod probe;
 mod spec;
-mod stage;
+mod context;
 pub mod study;
 
-pub use made::{Diagram, Made, Record, Shot, Value};
+pub use content::{Diagram, FigureContent, Record, PanelImage, Value};
 pub use spec::{Figure, Panel, Quick, Wipe};
-pub use stage::Stage;
+pub use context::FigureContext;
 
 use crate::provenance::{Provenance, only_files_missing, repository_path, say};
 use pelage_core::{Error, Result};
@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// What is made.
+/// What is content.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Figures: folders of `paper_figures/` or the unique ends of their names; empty: all.
@@ -60,7 +60,7 @@ pub fn list() -> Result<()> {
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. After all are made: the first fault if one alone was asked
-/// for, or else [`Error::Check`] with those that failed and those that differ from what is kept. Where all are made, missing assets are no fault.
+/// for, or else [`Error::GoalMissed`] with those that failed and those that differ from what is kept. Where all are made, missing assets are no fault.
 pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
     let names = if options.names.is_empty() { Figure::names()? } else { options.names.clone() };
     let figures = names.iter().map(|name| Figure::find(name)).collect::<Result<Vec<_>>>()?;
@@ -115,7 +115,7 @@ fn verdict(mut faults: Vec<(String, Error)>, differing: &[String], made: usize) 
     if lines.is_empty() {
         return Ok(());
     }
-    Err(Error::Check(format!(
+    Err(Error::GoalMissed(format!(
         "{} figures failed, {} parts differ from what is kept:{}",
         faults.len(),
         differing.len(),
@@ -142,12 +142,12 @@ fn make(
     std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
     let caption = folder.join("caption.md");
     let caption = std::fs::read_to_string(&caption).map_err(|e| Error::io(&caption, e))?;
-    let stage = Stage { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
-    let mut made = stage.panels()?;
+    let stage = FigureContext { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
+    let mut content = context.panels()?;
     if let Some(study) = figure.study.as_deref().and_then(study::find) {
-        let more = study(&stage)?;
-        made.shots.extend(more.shots);
-        made = Made { shots: made.shots, missing: made.missing, ..more };
+        let more = study(&context)?;
+        content.shots.extend(more.shots);
+        content = FigureContent { shots: content.shots, missing: content.missing, ..more };
     }
     let record = Record {
         figure: name,

@@ -190,7 +190,7 @@ impl Report {
     /// Whether all goals are met.
     ///
     /// # Errors
-    /// [`Error::Check`] with those that are not.
+    /// [`Error::GoalMissed`] with those that are not.
     pub fn verdict(&self) -> Result<()> {
         let line = |f: &Finding| {
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
@@ -201,7 +201,7 @@ impl Report {
         if lines.is_empty() {
             return Ok(());
         }
-        Err(Error::Check(format!("{} of the goals are missed:{}", lines.len(), lines.concat())))
+        Err(Error::GoalMissed(format!("{} of the goals are missed:{}", lines.len(), lines.concat())))
     }
 }
 

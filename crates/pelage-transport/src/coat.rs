@@ -3,7 +3,7 @@
 //! Depth is the optical depth that hairs seen square would have, of all kinds together, from the top of the longest hairs.
 
 use super::slab::{BINS, Layer, Operators, around, centre, even_samples, extinction_at};
-use super::{TINTS, tint};
+use super::{ALBEDOS, tint};
 use glam::Vec3;
 use pelage_fur::fibre::Fibre;
 use rayon::prelude::*;
@@ -13,26 +13,26 @@ use rayon::prelude::*;
 pub struct Hairs {
     /// How they scatter.
     pub fibre: Fibre,
-    /// Their directions at stations in order of depth.
-    pub stations: Vec<Station>,
+    /// Their directions at levels in order of depth.
+    pub levels: Vec<HeightLevel>,
 }
 
 /// Hairs of one height.
 #[derive(Debug, Clone)]
-pub struct Station {
+pub struct HeightLevel {
     /// Equal shares of them.
-    pub hairs: Vec<Standing>,
+    pub hairs: Vec<Orientation>,
     /// What the light lattice takes for their extinction by depth, in each bin, where that is not theirs.
     pub counted: Option<[f64; BINS]>,
 }
 
 /// The direction of a piece of hair.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Standing {
+pub struct Orientation {
     /// Unit, root to tip; z is the skin's normal.
     pub tangent: Vec3,
     /// What it shows square to itself by depth: more than 1 where depth counts the way along the normal and the hair leans.
-    pub shown: f32,
+    pub projected: f32,
 }
 
 /// Hairs of one kind in a slice.
@@ -40,7 +40,7 @@ pub struct Standing {
 pub struct Part {
     /// Their depth.
     pub depth: f64,
-    /// Place between the stations, in stations.
+    /// Place between the levels, in levels.
     pub place: f64,
     /// Their colour is the coat's mean colour to this power.
     pub power: [f32; 3],
@@ -59,15 +59,15 @@ pub struct Medium {
     pub seed: u32,
 }
 
-/// Operators of all hairs of a medium by kind, station and brightness.
-pub struct Bank {
+/// Operators of all hairs of a medium by kind, level and brightness.
+pub struct OperatorTable {
     operators: Vec<Vec<Vec<Operators>>>,
 }
 
 impl Medium {
     /// An even coat of one kind of hairs.
-    pub fn even(fibre: Fibre, standing: Vec<Standing>, depth: f64, skin: [f64; 3], seed: u32) -> Self {
-        let kinds = vec![Hairs { fibre, stations: vec![Station { hairs: standing, counted: None }] }];
+    pub fn even(fibre: Fibre, orientations: Vec<Orientation>, depth: f64, skin: [f64; 3], seed: u32) -> Self {
+        let kinds = vec![Hairs { fibre, levels: vec![HeightLevel { hairs: orientations, counted: None }] }];
         let slices = vec![vec![Part { depth, place: 0.0, power: [1.0; 3] }]];
         Self { kinds, slices, skin, seed }
     }
@@ -78,24 +78,24 @@ impl Medium {
     }
 
     /// Samples the operators.
-    pub fn bank(&self) -> Bank {
+    pub fn operators(&self) -> OperatorTable {
         let operators = self
             .kinds
             .iter()
             .map(|hairs| {
                 hairs
-                    .stations
+                    .levels
                     .par_iter()
-                    .map(|station| {
-                        (0..TINTS)
+                    .map(|level| {
+                        (0..ALBEDOS)
                             .into_par_iter()
-                            .map(|i| Operators::new(&hairs.fibre, station, tint(i), self.seed))
+                            .map(|i| Operators::new(&hairs.fibre, level, tint(i), self.seed))
                             .collect()
                     })
                     .collect()
             })
             .collect();
-        Bank { operators }
+        OperatorTable { operators }
     }
 
     /// Composition at a depth: where that lies in the slices; the weights of the kinds there, with the mean of their parts.
@@ -158,14 +158,14 @@ impl Medium {
     }
 
     /// Layers for hairs of mean brightness `tint` in colour `color`.
-    pub fn layers(&self, bank: &Bank, tint: f32, color: usize) -> Vec<Layer> {
+    pub fn layers(&self, operators: &OperatorTable, tint: f32, color: usize) -> Vec<Layer> {
         let mut top = 0.0;
         let of_layer = |thick: f64| {
             let mut layer = Layer::empty(thick);
             let parts = self.parts_at(top, top + thick);
             top += thick;
             for (kind, part) in parts.iter().enumerate().filter(|(_, part)| part.depth > 0.0) {
-                for (operators, weight) in bank.around(kind, part.place, tint.powf(part.power[color])) {
+                for (operators, weight) in operators.around(kind, part.place, tint.powf(part.power[color])) {
                     layer.add(operators, part.depth / thick * weight);
                 }
             }
@@ -175,9 +175,9 @@ impl Medium {
     }
 
     /// What each kind of hairs does at `depth`, where the coat has mean brightness `tint` in colour `color`.
-    pub fn responses<'a>(&self, bank: &'a Bank, tint: f32, depth: f64, color: usize) -> Vec<Responses<'a>> {
+    pub fn responses<'a>(&self, operators: &'a OperatorTable, tint: f32, depth: f64, color: usize) -> Vec<Responses<'a>> {
         let of_kind = |(kind, part): (usize, Part)| {
-            Responses(bank.around(kind, part.place, tint.powf(part.power[color])).collect())
+            Responses(operators.around(kind, part.place, tint.powf(part.power[color])).collect())
         };
         self.parts_at(depth - 1e-6, depth + 1e-6).into_iter().enumerate().map(of_kind).collect()
     }
@@ -201,26 +201,26 @@ impl Responses<'_> {
     }
 }
 
-impl Bank {
+impl OperatorTable {
     /// Operators of a kind around a place and a brightness, with their weights.
     fn around(&self, kind: usize, place: f64, tint: f32) -> impl Iterator<Item = (&Operators, f64)> {
-        let stations = &self.operators[kind];
-        let place = place.clamp(0.0, (stations.len() - 1) as f64);
-        let low = (place as usize).min(stations.len().saturating_sub(2));
+        let levels = &self.operators[kind];
+        let place = place.clamp(0.0, (levels.len() - 1) as f64);
+        let low = (place as usize).min(levels.len().saturating_sub(2));
         let x = place - low as f64;
-        let at = f64::from((1.0 - (1.0 - tint).max(0.0).sqrt()).clamp(0.0, 1.0)) * (TINTS - 1) as f64;
-        let t = (at as usize).min(TINTS - 2);
+        let at = f64::from((1.0 - (1.0 - tint).max(0.0).sqrt()).clamp(0.0, 1.0)) * (ALBEDOS - 1) as f64;
+        let t = (at as usize).min(ALBEDOS - 2);
         let y = at - t as f64;
         [(0, 0), (0, 1), (1, 0), (1, 1)].into_iter().filter_map(move |(s, c)| {
             let weight = [1.0 - x, x][s] * [1.0 - y, y][c];
-            (weight > 0.0).then(|| (&stations[low + s][t + c], weight))
+            (weight > 0.0).then(|| (&levels[low + s][t + c], weight))
         })
     }
 }
 
 /// Directions of the undercoat's hairs at height `t` (0..1) around a normal, which is z: they lean by `lean` (tangent of the angle) at
 /// the tip and are turned by `jitter`.
-pub fn standing(lean: f32, jitter: f32, exponent: f32, t: f32) -> Vec<Standing> {
+pub fn orientations(lean: f32, jitter: f32, exponent: f32, t: f32) -> Vec<Orientation> {
     (0..512)
         .map(|i| {
             let [u, v] = even_samples(i);
@@ -230,13 +230,13 @@ pub fn standing(lean: f32, jitter: f32, exponent: f32, t: f32) -> Vec<Standing> 
             let turn = jitter * t.powf(exponent) * Vec3::new(r * cos, r * sin, z);
             let tangent = (Vec3::new(lean * t, 0.0, 1.0) + turn).normalize();
             // As dense across the skin whichever way they lean, as far as the volume's hairs do.
-            Standing { tangent, shown: 1.0 / tangent.z.max(0.3) }
+            Orientation { tangent, projected: 1.0 / tangent.z.max(0.3) }
         })
         .collect()
 }
 
 /// Mean extinction in each bin by hairs of one direction, turned to all azimuths.
-pub fn extinction(hair: Standing) -> [f64; BINS] {
+pub fn extinction(hair: Orientation) -> [f64; BINS] {
     const AZIMUTHS: u32 = 64;
     std::array::from_fn(|bin| {
         let mu = centre(bin) as f32;
@@ -246,6 +246,6 @@ pub fn extinction(hair: Standing) -> [f64; BINS] {
             let along = hair.tangent.dot(Vec3::new(r * cos, r * sin, mu));
             (1.0 - along * along).max(0.0).sqrt()
         };
-        f64::from(hair.shown * (0..AZIMUTHS).map(sine).sum::<f32>() / AZIMUTHS as f32)
+        f64::from(hair.projected * (0..AZIMUTHS).map(sine).sum::<f32>() / AZIMUTHS as f32)
     })
 }

@@ -1,6 +1,6 @@
 //! The shares of Zinke et al. 2008 (dual scattering): what a hair scatters on and back, and what many hairs behind it send back.
 
-use super::{COSINES, TINTS, cosine, tint};
+use super::{COSINES, ALBEDOS, cosine, tint};
 use glam::Vec3;
 use pelage_fur::fibre::{Albedos, Fibre, Hemispheres};
 use rayon::prelude::*;
@@ -61,7 +61,7 @@ impl From<Hemispheres> for Shares {
 /// from behind, and the shift back.
 pub fn table(fibre: &Fibre) -> Vec<[f32; 4]> {
     let albedos = Albedos::new(fibre);
-    (0..TINTS * COSINES)
+    (0..ALBEDOS * COSINES)
         .into_par_iter()
         .flat_map_iter(|i| {
             let theta = cosine(i % COSINES, -1.0).clamp(-0.995, 0.995).asin();

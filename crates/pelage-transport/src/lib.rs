@@ -28,7 +28,7 @@ use sobol_burley::sample;
 use std::f32::consts::{FRAC_PI_2, PI};
 
 /// Brightnesses of hair in a table.
-pub const TINTS: usize = 10;
+pub const ALBEDOS: usize = 10;
 /// Optical depths towards the light.
 pub const DEPTHS: usize = 20;
 /// Inclinations of a light or a view to the skin's normal.
@@ -81,7 +81,7 @@ pub struct Terms {
 
 /// Brightness of index `i` in a table; what comes out of a coat is about even in the root of what a hair takes.
 pub fn tint(i: usize) -> f32 {
-    let x = 1.0 - i as f32 / (TINTS - 1) as f32;
+    let x = 1.0 - i as f32 / (ALBEDOS - 1) as f32;
     1.0 - x * x
 }
 
@@ -112,15 +112,15 @@ impl Table {
             flux[zone(bin)] += (0.5 * (edges[bin + 1].powi(2) - edges[bin].powi(2))) as f32;
         }
         let cosines: Vec<f64> = (0..COSINES).map(|i| f64::from(cosine(i, 0.0)).max(0.02)).collect();
-        let bank = medium.bank();
+        let operators = medium.operators();
         let weights: [f64; BINS] =
             std::array::from_fn(|bin| f64::from(if bin < HALF { terms.backward } else { terms.forward }));
         // By tint and colour: the field, and what is sent by the cosine of the view.
-        let solved: Vec<_> = (0..3 * TINTS)
+        let solved: Vec<_> = (0..3 * ALBEDOS)
             .into_par_iter()
             .map(|i| {
                 let (of_tint, color) = (tint(i / 3), i % 3);
-                let layers = medium.layers(&bank, of_tint, color);
+                let layers = medium.layers(&operators, of_tint, color);
                 let solution = slab::solve(layers, medium.skin[color], &cosines);
                 let mut field = Vec::with_capacity(DEPTHS * COSINES);
                 let mut sent = vec![Vec::new(); COSINES];
@@ -140,7 +140,7 @@ impl Table {
                             widths[bin] as f32 * 0.5 / share[zone(bin)] * radiance[bin] as f32;
                     }
                     field.push(of_zone);
-                    let responses = medium.responses(&bank, of_tint, place, color);
+                    let responses = medium.responses(&operators, of_tint, place, color);
                     for (view, row) in sent.iter_mut().enumerate() {
                         let mu = f64::from(cosine(view, -1.0));
                         let [first, last] =
@@ -177,23 +177,23 @@ impl Table {
         }
     }
 
-    /// Texels of `field_table`: [`COSINES`] x 3 [`DEPTHS`] x [`TINTS`].
+    /// Texels of `field_table`: [`COSINES`] x 3 [`DEPTHS`] x [`ALBEDOS`].
     pub fn field_texels(&self) -> &[[f32; 4]] {
         &self.field
     }
 
-    /// Texels of `sent_table`: [`COSINES`] x 3 [`DEPTHS`] x ([`COSINES`] [`TINTS`]).
+    /// Texels of `sent_table`: [`COSINES`] x 3 [`DEPTHS`] x ([`COSINES`] [`ALBEDOS`]).
     pub fn sent_texels(&self) -> &[[f32; 4]] {
         &self.sent
     }
 
-    /// Texels of `response_table`: [`COSINES`] x [`ROWS`] x [`TINTS`].
+    /// Texels of `response_table`: [`COSINES`] x [`ROWS`] x [`ALBEDOS`].
     pub fn response_texels(&self) -> Vec<[f32; 4]> {
         let [on, back] = self.dual_density;
         let mut head = vec![[0.0; 4]; COSINES];
         head[..3].copy_from_slice(&[self.share, self.flux, [on, back, 0.0, 0.0]]);
         let mut texels = Vec::new();
-        for tint in 0..TINTS {
+        for tint in 0..ALBEDOS {
             texels.extend_from_slice(&head);
             texels
                 .extend_from_slice(self.guard.chunks(TILTS * TILTS * COSINES).nth(tint).unwrap_or_default());
@@ -217,7 +217,7 @@ fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
             Vec3::new(cos, sin * azimuth.cos(), sin * azimuth.sin())
         })
         .collect();
-    let of_views: Vec<Vec<[f32; 4]>> = (0..TINTS * COSINES)
+    let of_views: Vec<Vec<[f32; 4]>> = (0..ALBEDOS * COSINES)
         .into_par_iter()
         .map(|i| {
             let sin = cosine(i % COSINES, -1.0).clamp(-0.999, 0.999);

@@ -1,6 +1,6 @@
 //! Twin of `shaders/shared/transport.wgsl`: lookups in the table of multiple scattering.
 
-use crate::{COSINES, DEEPEST, DEPTHS, TILTS, TINTS, Table, dual};
+use crate::{COSINES, DEEPEST, DEPTHS, TILTS, ALBEDOS, Table, dual};
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
 use std::f32::consts::{FRAC_PI_2, PI};
@@ -16,7 +16,7 @@ fn place(x: f32, count: usize) -> (usize, f32) {
 }
 
 fn tint_place(tint: f32) -> (usize, f32) {
-    place(1.0 - (1.0 - tint).max(0.0).sqrt(), TINTS)
+    place(1.0 - (1.0 - tint).max(0.0).sqrt(), ALBEDOS)
 }
 
 fn entry(table: &[[f32; 4]], tint: f32, (at, part): (usize, f32)) -> Vec4 {
@@ -33,7 +33,7 @@ impl Table {
         let light = place(mu, COSINES);
         [0, 1, 2].map(|c| {
             let of = |d: usize| {
-                let rows: Vec<[f32; 4]> = (0..TINTS)
+                let rows: Vec<[f32; 4]> = (0..ALBEDOS)
                     .flat_map(|t| {
                         self.field[((3 * t + c) * DEPTHS + d) * COSINES..][..COSINES].iter().copied()
                     })

@@ -3,7 +3,7 @@
 //! Depth is that of [`super::coat`]. Along direction ω the extinction by it is the mean of sin(T, ω) over the tangents T, and of what
 //! each shows.
 
-use super::coat::{Standing, Station};
+use super::coat::{Orientation, HeightLevel};
 use faer::{Mat, linalg::solvers::Solve};
 use glam::Vec3;
 use pelage_fur::fibre::table::MEAN_GLINT;
@@ -95,8 +95,8 @@ pub(super) fn extinction_at(extinction: &[f64; BINS], mu: f64) -> f64 {
 
 impl Operators {
     /// Of hairs with these directions: exit directions even in their bin, the light's drawn by the model.
-    pub fn new(fibre: &Fibre, station: &Station, tint: f32, seed: u32) -> Self {
-        let hairs = &station.hairs;
+    pub fn new(fibre: &Fibre, level: &HeightLevel, tint: f32, seed: u32) -> Self {
+        let hairs = &level.hairs;
         let (edges, widths) = (edges(), widths());
         let mut extinction = [0.0; BINS];
         let mut kernel = vec![[0.0; BINS]; BINS];
@@ -108,23 +108,23 @@ impl Operators {
                 let mu = edges[o] + widths[o] * f64::from(random(0));
                 let pick = (random(1) * hairs.len() as f32) as usize;
                 let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(2));
-                let Standing { tangent, shown } = hairs[pick.min(hairs.len() - 1)];
+                let Orientation { tangent, projected } = hairs[pick.min(hairs.len() - 1)];
                 let tangent = turn * tangent;
                 let w = Vec3::new((1.0 - mu * mu).sqrt() as f32, 0.0, mu as f32);
                 let (y, z) = tangent.any_orthonormal_pair();
                 let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
                 let wo = local(w);
-                let shown = f64::from((1.0 - wo.x * wo.x).max(0.0).sqrt() * shown) / f64::from(SAMPLES);
-                extinction[o] += shown;
+                let projected = f64::from((1.0 - wo.x * wo.x).max(0.0).sqrt() * projected) / f64::from(SAMPLES);
+                extinction[o] += projected;
                 let hit = Hit { tint: Vec3::splat(tint), glint_angle: MEAN_GLINT, h: 2.0 * random(3) - 1.0 };
                 if let Some(s) = fibre.sample(&hit, wo, [4, 5, 6, 7].map(random)) {
                     let up = f64::from(s.direction.dot(local(Vec3::Z)));
                     let bin = edges.partition_point(|e| *e <= up).clamp(1, BINS) - 1;
-                    kernel[o][bin] += shown * f64::from(s.weight.x);
+                    kernel[o][bin] += projected * f64::from(s.weight.x);
                 }
             }
         }
-        Self { extinction, kernel, counted: station.counted.unwrap_or(extinction) }
+        Self { extinction, kernel, counted: level.counted.unwrap_or(extinction) }
     }
 }
 

@@ -1,7 +1,7 @@
 //! The adding method against Monte Carlo in the same medium.
 
 use super::slab::*;
-use crate::coat::{Medium, standing};
+use crate::coat::{Medium, orientations};
 use glam::Vec3;
 use pelage_fur::fibre::{Chiang, Fibre, Hit, KajiyaKay};
 use pelage_fur::random::{hash2, random};
@@ -11,8 +11,8 @@ use std::f64::consts::PI;
 const SKIN: f64 = 0.3;
 
 fn solved(m: &Medium, tint: f32, light: f64) -> (Solution, Layer) {
-    // Between the brightnesses of a bank there would be errors of interpolation.
-    let op = Operators::new(&m.kinds[0].fibre, &m.kinds[0].stations[0], tint, m.seed);
+    // Between the brightnesses of a operators there would be errors of interpolation.
+    let op = Operators::new(&m.kinds[0].fibre, &m.kinds[0].levels[0], tint, m.seed);
     let layer = |thick: f64| {
         let mut layer = Layer::empty(thick);
         layer.add(&op, 1.0);
@@ -31,7 +31,7 @@ fn chiang() -> Fibre {
 }
 
 fn medium(fibre: Fibre, depth: f64) -> Medium {
-    Medium::even(fibre, standing(0.2, 0.4, 1.0, 0.6), depth, [SKIN; 3], 7)
+    Medium::even(fibre, orientations(0.2, 0.4, 1.0, 0.6), depth, [SKIN; 3], 7)
 }
 
 fn toward(degrees: f32) -> Vec3 {
@@ -46,8 +46,8 @@ fn around_normal(seed: u32, light: Vec3) -> Vec3 {
 /// A random walk from the eye: light scattered once or more times to `view` for an irradiance of 1 from `light`.
 fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
     let (fibre, depth) = (&m.kinds[0].fibre, m.depth());
-    let standing = &m.kinds[0].stations[0].hairs;
-    let hairs: Vec<(Vec3, f32)> = standing.iter().map(|s| (s.tangent, s.shown)).collect();
+    let orientations = &m.kinds[0].levels[0].hairs;
+    let hairs: Vec<(Vec3, f32)> = orientations.iter().map(|s| (s.tangent, s.projected)).collect();
     let turned = |seed: u32, k: u32| {
         let pick = (random(seed, k) * hairs.len() as f32) as usize;
         let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, k + 1));
@@ -91,15 +91,15 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
             } else {
                 // A hair in proportion to what it shows.
                 let mut k = 10;
-                let (tangent, shown) = loop {
+                let (tangent, projected) = loop {
                     let (t, of) = turned(seed, k);
-                    let shown = of * (1.0 - t.dot(w).powi(2)).max(0.0).sqrt();
-                    if random(seed, k + 2) * most < shown {
-                        break (t, shown);
+                    let projected = of * (1.0 - t.dot(w).powi(2)).max(0.0).sqrt();
+                    if random(seed, k + 2) * most < projected {
+                        break (t, projected);
                     }
                     k += 3;
                 };
-                assert!(shown > 0.0);
+                assert!(projected > 0.0);
                 let (y, z) = tangent.any_orthonormal_pair();
                 let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
                 let h = 2.0 * random(seed, 4) - 1.0;
@@ -126,21 +126,21 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
 fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
     let (l, v) = (f64::from(light.z), f64::from(view.z));
     let (solution, op) = solved(m, tint, l);
-    let (fibre, standing, depth) = (&m.kinds[0].fibre, &m.kinds[0].stations[0].hairs, m.depth());
+    let (fibre, orientations, depth) = (&m.kinds[0].fibre, &m.kinds[0].levels[0].hairs, m.depth());
     let steps = 4000;
     let dz = depth / f64::from(steps);
     let once = (0..20_000u32)
         .map(|k| {
             let seed = hash2(5, k);
             let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, 0));
-            let hair = standing[(random(seed, 1) * standing.len() as f32) as usize];
+            let hair = orientations[(random(seed, 1) * orientations.len() as f32) as usize];
             let t = turn * hair.tangent;
             let (y, z) = t.any_orthonormal_pair();
             let local = |v: Vec3| Vec3::new(t.dot(v), y.dot(v), z.dot(v));
             let (wi, wo) = (local(around_normal(seed, light)), local(view));
             let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h: 2.0 * random(seed, 2) - 1.0 };
             let sines = ((1.0 - wi.x * wi.x) * (1.0 - wo.x * wo.x)).max(0.0).sqrt();
-            f64::from(fibre.evaluate(&hit, wi, wo).x * sines * hair.shown)
+            f64::from(fibre.evaluate(&hit, wi, wo).x * sines * hair.projected)
         })
         .sum::<f64>()
         / 20_000.0;
@@ -195,8 +195,8 @@ fn a_lossless_coat_on_a_white_skin_loses_nothing() {
     // All light that enters comes out again: the flux at the top is that of the light.
     let m = medium(diffuse(), 5.0);
     let light = 0.7;
-    let bank = m.bank();
-    let solution = solve(m.layers(&bank, 1.0, 0), 1.0, &[light]);
+    let operators = m.operators();
+    let solution = solve(m.layers(&operators, 1.0, 0), 1.0, &[light]);
     let out: f64 =
         (0..HALF).map(|bin| -2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(0.0, 0, bin)).sum();
     println!("out {out:.4}, in {light}");

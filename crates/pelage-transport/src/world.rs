@@ -1,6 +1,6 @@
 //! The flat coat that stands for that of a world.
 
-use super::coat::{Hairs, Medium, Part, Standing, Station, extinction, standing};
+use super::coat::{Hairs, Medium, Part, Orientation, HeightLevel, extinction, orientations};
 use super::slab::BINS;
 use super::{Table, Terms};
 use glam::{Vec2, Vec3};
@@ -22,7 +22,7 @@ const POINTS: usize = 64;
 /// Slices from the tip of the longest hair down to the skin.
 const SLICES: usize = 32;
 /// Stations of each kind of hairs.
-const STATIONS: usize = 4;
+const LEVELS: usize = 4;
 /// Guard hairs that are looked at for each triangle of those chosen.
 const GUARD_HAIRS: u32 = 8;
 
@@ -69,7 +69,7 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     let (fur, scene) = (&packed.fur, &world.scene);
     let skin = mean_of(Parameter::BaseColor).to_array().map(|x| f64::from(x.clamp(0.0, 1.0)));
     let ends = [Parameter::UndercoatColorRoot, Parameter::UndercoatColorTip].map(mean_of);
-    let whole = mean_color(&packed.coat_fibre, ends[0], ends[1]);
+    let whole = mean_color(&packed.undercoat_fibre, ends[0], ends[1]);
     let power = |color: Vec3| {
         let log = |x: f32| x.clamp(1e-3, 0.995).ln();
         [0, 1, 2].map(|c| log(color[c]) / log(whole[c]))
@@ -88,20 +88,20 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
         let shell = Shell::default();
         let coat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
         let lean = Vec3::from(fur.lean).length();
-        let stations = (0..STATIONS)
-            .map(|k| 1.0 - k as f32 / (STATIONS - 1) as f32)
+        let levels = (0..LEVELS)
+            .map(|k| 1.0 - k as f32 / (LEVELS - 1) as f32)
             .map(|t| {
                 // The light lattice knows the lean alone.
                 let tangent = Vec3::new(lean * t, 0.0, 1.0).normalize();
-                let leaning = Standing { tangent, shown: 1.0 / tangent.z.max(0.3) };
-                let even = [f64::from(FRAC_PI_4 * leaning.shown); BINS];
-                Station {
-                    hairs: standing(lean, fur.tangent_jitter, fur.jitter_exponent, t),
+                let leaning = Orientation { tangent, projected: 1.0 / tangent.z.max(0.3) };
+                let even = [f64::from(FRAC_PI_4 * leaning.projected); BINS];
+                HeightLevel {
+                    hairs: orientations(lean, fur.tangent_jitter, fur.jitter_exponent, t),
                     counted: Some(if fur.isotropic == 1 { even } else { extinction(leaning) }),
                 }
             })
             .collect();
-        kinds.push(Hairs { fibre: packed.coat_fibre.clone(), stations });
+        kinds.push(Hairs { fibre: packed.undercoat_fibre.clone(), levels });
         let of_slice = |z: &f32| {
             let t = z / height.max(1e-6);
             let thick = |p: &SkinPoint| {
@@ -113,22 +113,22 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
             let t = t.min(1.0);
             Part {
                 depth: f64::from(depth),
-                place: f64::from(1.0 - t) * (STATIONS - 1) as f64,
+                place: f64::from(1.0 - t) * (LEVELS - 1) as f64,
                 power: power(ends[0].lerp(ends[1], t)),
             }
         };
         parts.push(middles.iter().map(of_slice).collect());
     }
     if !pieces.is_empty() {
-        let (stations, of_slice) = guard_parts(pieces, top, &power);
-        kinds.push(Hairs { fibre: packed.guard_fibre.clone(), stations });
+        let (levels, of_slice) = guard_parts(pieces, top, &power);
+        kinds.push(Hairs { fibre: packed.guard_fibre.clone(), levels });
         parts.push(of_slice);
     }
     let slices: Vec<Vec<Part>> =
         (0..SLICES).map(|k| parts.iter().map(|of_kind| of_kind[k]).collect()).collect();
     if kinds.is_empty() || slices.iter().flatten().all(|p| p.depth <= 0.0) {
         // Nothing to scatter: the skin alone, behind a breath of hairs.
-        return Medium::even(packed.coat_fibre.clone(), standing(0.0, 0.0, 1.0, 0.0), 0.05, skin, fur.seed);
+        return Medium::even(packed.undercoat_fibre.clone(), orientations(0.0, 0.0, 1.0, 0.0), 0.05, skin, fur.seed);
     }
     Medium { kinds, slices, skin, seed: fur.seed }
 }
@@ -192,36 +192,36 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     pieces
 }
 
-/// Directions of guard hairs at stations, and their parts of the slices.
+/// Directions of guard hairs at levels, and their parts of the slices.
 fn guard_parts(
     mut pieces: Vec<Piece>,
     top: f32,
     power: &dyn Fn(Vec3) -> [f32; 3],
-) -> (Vec<Station>, Vec<Part>) {
+) -> (Vec<HeightLevel>, Vec<Part>) {
     pieces.sort_by(|a, b| b.height.total_cmp(&a.height));
     let whole: f32 = pieces.iter().map(|p| p.depth).sum();
-    // Each station stands for a quarter of the hairs.
-    let per_station = 256;
-    let mut stations = vec![Vec::new(); STATIONS];
-    let mut heights = [0.0; STATIONS];
+    // Each level stands for a quarter of the hairs.
+    let per_level = 256;
+    let mut levels = vec![Vec::new(); LEVELS];
+    let mut heights = [0.0; LEVELS];
     let (mut passed, mut taken) = (0.0, 0);
     for piece in &pieces {
         passed += piece.depth;
-        while taken < STATIONS * per_station
-            && (taken as f32 + 0.5) / (STATIONS * per_station) as f32 * whole <= passed
+        while taken < LEVELS * per_level
+            && (taken as f32 + 0.5) / (LEVELS * per_level) as f32 * whole <= passed
         {
-            let station = taken / per_station;
-            stations[station].push(Standing { tangent: piece.tangent, shown: 1.0 });
-            heights[station] += piece.height / per_station as f32;
+            let level = taken / per_level;
+            levels[level].push(Orientation { tangent: piece.tangent, projected: 1.0 });
+            heights[level] += piece.height / per_level as f32;
             taken += 1;
         }
     }
     let last = pieces.last().map_or(Vec3::Z, |p| p.tangent);
-    for station in stations.iter_mut().filter(|s| s.is_empty()) {
-        station.push(Standing { tangent: last, shown: 1.0 });
+    for level in levels.iter_mut().filter(|s| s.is_empty()) {
+        level.push(Orientation { tangent: last, projected: 1.0 });
     }
     let place = |z: f32| {
-        let k = (1..STATIONS - 1).find(|k| heights[*k] <= z).unwrap_or(STATIONS - 1);
+        let k = (1..LEVELS - 1).find(|k| heights[*k] <= z).unwrap_or(LEVELS - 1);
         let x = (heights[k - 1] - z) / (heights[k - 1] - heights[k]).max(1e-6);
         (k - 1) as f64 + f64::from(x.clamp(0.0, 1.0))
     };
@@ -243,5 +243,5 @@ fn guard_parts(
         .collect();
     // The light lattice does not keep the directions of guard hairs.
     let counted = Some([f64::from(FRAC_PI_4); BINS]);
-    (stations.into_iter().map(|hairs| Station { hairs, counted }).collect(), parts)
+    (levels.into_iter().map(|hairs| HeightLevel { hairs, counted }).collect(), parts)
 }

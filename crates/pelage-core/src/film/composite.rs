@@ -131,7 +131,7 @@ impl Backdrop {
     /// to `R G B`.
     ///
     /// # Errors
-    /// [`Error::Check`] if the film lacks a plane, else as [`Backdrop::pixels`].
+    /// [`Error::Unsupported`] if the film lacks a plane, else as [`Backdrop::pixels`].
     pub fn under(&self, film: &mut Film) -> Result<()> {
         let mut pixels = film.premultiplied()?;
         let Some(back) = self.pixels(film.width, film.height)? else {

@@ -43,7 +43,7 @@ pub fn circle_of_confusion(aperture: f32, focus: f32, focal_pixels: f32, z: f32)
 /// result does not depend on their number.
 ///
 /// # Errors
-/// [`Error::Check`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera make no sense.
+/// [`Error::Unsupported`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera make no sense.
 pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     let Some(lens) = camera.lens.as_ref().filter(|lens| lens.method == LensMethod::Post) else {
         return Ok(());
@@ -68,7 +68,7 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     film.validate()?;
     let focal_pixels = film.height as f32 / (2.0 * (camera.fov.to_radians() / 2.0).tan());
     let depth = film.plane("depth.Z").ok_or_else(|| {
-        Error::Check(
+        Error::Unsupported(
             "depth of field as a post-process needs the plane depth.Z, which the film has not".into(),
         )
     })?;

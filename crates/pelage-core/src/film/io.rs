@@ -52,7 +52,7 @@ fn wrong_usage(path: &Path, message: &str) -> Error {
 /// mapping of `spec`. The file appears complete or not at all; an old one stays where writing fails.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown extension, [`Error::Check`] for a film with missing planes, [`Error::Io`] if the
+/// [`Error::Usage`] for an unknown extension, [`Error::Unsupported`] for a film with missing planes, [`Error::Io`] if the
 /// file cannot be written.
 pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSpec) -> Result<()> {
     let path = path.as_ref();

@@ -127,7 +127,7 @@ impl Default for FilmSpec {
 impl Default for RenderSpec {
     fn default() -> Self {
         Self {
-            fur: Fur::Hybrid,
+            fur: FurLayers::Hybrid,
             blend: Blend::Exact,
             virtual_fragments: 30,
             simplified_attenuation: 4.0,

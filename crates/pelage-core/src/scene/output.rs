@@ -85,7 +85,7 @@ pub enum Tonemap {
 #[serde(deny_unknown_fields, default)]
 pub struct RenderSpec {
     /// Which layers.
-    pub fur: Fur,
+    pub fur: FurLayers,
     /// How undercoat and guard hairs are blended.
     pub blend: Blend,
     /// Virtual fragments a ray, for `blend = "virtual"`.
@@ -113,7 +113,7 @@ pub struct RenderSpec {
 /// Which layers are rendered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
-pub enum Fur {
+pub enum FurLayers {
     /// The skin alone.
     Base,
     /// Skin and guard hairs.

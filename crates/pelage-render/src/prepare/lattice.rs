@@ -2,7 +2,7 @@
 
 use pelage_core::{Skin, World};
 use pelage_fur::groom;
-use pelage_fur::layout::{Column, Fur};
+use pelage_fur::layout::{Column, FurParameters};
 
 /// Size of the light lattice.
 pub(super) struct Lattice {
@@ -13,7 +13,7 @@ pub(super) struct Lattice {
 
 impl Lattice {
     /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
-    pub fn plan(skin: &Skin, world: &World, fur: &Fur, room: u64) -> Self {
+    pub fn plan(skin: &Skin, world: &World, fur: &FurParameters, room: u64) -> Self {
         /// Wanted distance of columns, cm.
         const SPACING: f32 = 0.2;
         /// Wanted distance of levels in mean free paths of the undercoat.

@@ -3,7 +3,7 @@
 use half::f16;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Resource, Scope};
-use pelage_transport::{COSINES, DEPTHS, ROWS, TINTS, Table};
+use pelage_transport::{COSINES, DEPTHS, ROWS, ALBEDOS, Table};
 
 /// The textures that `shaders/shared/transport.wgsl` reads.
 pub(super) struct Tables {
@@ -27,9 +27,9 @@ impl Tables {
         let nothing = || upload(gpu, [1, 1, 2], &[[0.0; 4]; 2]);
         let (field, sent, response) = match scattered {
             Some(table) => (
-                upload(gpu, size(3 * DEPTHS, TINTS), table.field_texels())?,
-                upload(gpu, size(3 * DEPTHS, COSINES * TINTS), table.sent_texels())?,
-                upload(gpu, size(ROWS, TINTS), &table.response_texels())?,
+                upload(gpu, size(3 * DEPTHS, ALBEDOS), table.field_texels())?,
+                upload(gpu, size(3 * DEPTHS, COSINES * ALBEDOS), table.sent_texels())?,
+                upload(gpu, size(ROWS, ALBEDOS), &table.response_texels())?,
             ),
             None => (nothing()?, nothing()?, nothing()?),
         };

@@ -3,7 +3,7 @@
 use crate::twin::lattice;
 use glam::{Vec2, Vec3};
 use half::f16;
-use pelage_fur::layout::{Frame, Fur};
+use pelage_fur::layout::{Frame, FurParameters};
 use pelage_fur::octahedral;
 use pelage_fur::shell::Shell;
 use pelage_fur::view::{film_from_world, sample_ray};
@@ -127,7 +127,7 @@ pub struct Base {
 pub fn shade(
     frame: &Frame,
     shell: &Shell,
-    fur: &Fur,
+    fur: &FurParameters,
     base_light: &[[u32; 2]],
     triangle: u32,
     xy: [u32; 2],

@@ -3,7 +3,7 @@
 use crate::twin::lattice;
 use crate::twin::lattice::{node_index, node_place};
 use glam::Vec3;
-use pelage_fur::layout::{Column, Fur, Root};
+use pelage_fur::layout::{Column, FurParameters, Root};
 use pelage_fur::shell::{Located, Shell};
 use pelage_fur::strands::{position, radius};
 use pelage_fur::undercoat::Undercoat;
@@ -14,7 +14,7 @@ const PARTS: u32 = 2;
 /// Length times diameter of strands at the nodes, cm2, and how much of it lay within the shell.
 pub fn deposits(
     shell: &Shell,
-    fur: &Fur,
+    fur: &FurParameters,
     roots: &[Root],
     vertices: &[[f32; 4]],
     segments: u32,
@@ -44,7 +44,7 @@ pub fn deposits(
 }
 
 /// Volume that a node stands for, cm3.
-pub fn volume(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> f32 {
+pub fn volume(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -> f32 {
     let (place, _) = node_place(shell, fur, column, level);
     let t = place.t;
     let flat = place.e1.cross(place.e2).length().max(1e-20);

@@ -1,7 +1,7 @@
 //! Twin of `shaders/shared/{lattice,column,column_place,record}.wgsl`: the light lattice.
 
 use glam::{Vec2, Vec3};
-use pelage_fur::layout::{Column, Fur};
+use pelage_fur::layout::{Column, FurParameters};
 use pelage_fur::shell::{Place, Shell};
 
 /// The lattice cell that holds a place: three columns, two levels.
@@ -18,14 +18,14 @@ pub struct Cell {
 }
 
 /// Grid point k of edge number `edge` from vertex a to b, counted from a: its column.
-fn edge_column(fur: &Fur, edge: u32, a: u32, b: u32, k: u32) -> u32 {
+fn edge_column(fur: &FurParameters, edge: u32, a: u32, b: u32, k: u32) -> u32 {
     let from_smaller = if a < b { k } else { fur.lattice - k };
     fur.vertices + edge * (fur.lattice - 1) + from_smaller - 1
 }
 
 /// Column at barycentric (n - i - j, i, j) / n of a place's triangle: first come those at the skin's vertices, then those within its
 /// edges, then those within its triangles.
-pub fn column_index(fur: &Fur, place: &Place, i: u32, j: u32) -> u32 {
+pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
     let n = fur.lattice;
     let [a, b, c] = place.vertices;
     match (i, j) {
@@ -44,7 +44,7 @@ pub fn column_index(fur: &Fur, place: &Place, i: u32, j: u32) -> u32 {
 }
 
 /// The cell of a place.
-pub fn cell(fur: &Fur, place: &Place) -> Cell {
+pub fn cell(fur: &FurParameters, place: &Place) -> Cell {
     let height = (place.t / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
     let level = (height as u32).min(fur.levels - 1);
     let fraction = height - level as f32;
@@ -71,24 +71,24 @@ pub fn cell(fur: &Fur, place: &Place) -> Cell {
 }
 
 /// Node of a column at a level, 0..=levels.
-pub fn node_index(fur: &Fur, column: u32, level: u32) -> u32 {
+pub fn node_index(fur: &FurParameters, column: u32, level: u32) -> u32 {
     column * (fur.levels + 1) + level
 }
 
 /// Barycentric coordinates of a column in its triangle.
-pub fn column_lambda(fur: &Fur, column: &Column) -> Vec3 {
+pub fn column_lambda(fur: &FurParameters, column: &Column) -> Vec3 {
     let n = fur.lattice as f32;
     let (l1, l2) = ((column.grid & 0xffff) as f32 / n, (column.grid >> 16) as f32 / n);
     Vec3::new(1.0 - l1 - l2, l1, l2)
 }
 
 /// Height above the skin of a level, in shell heights.
-pub fn level_height(fur: &Fur, level: u32) -> f32 {
+pub fn level_height(fur: &FurParameters, level: u32) -> f32 {
     level as f32 / fur.levels as f32 * fur.light_reach
 }
 
 /// The place of a node, and its position, cm.
-pub fn node_place(shell: &Shell, fur: &Fur, column: &Column, level: u32) -> (Place, Vec3) {
+pub fn node_place(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -> (Place, Vec3) {
     let mut place = shell.enter(column.prism);
     place.lambda = column_lambda(fur, column);
     place.t = level_height(fur, level);

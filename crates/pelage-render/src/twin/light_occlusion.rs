@@ -2,11 +2,11 @@
 
 use crate::twin::lattice::node_place;
 use glam::{DVec3, Vec3};
-use pelage_fur::layout::{Column, Fur, Light};
+use pelage_fur::layout::{Column, FurParameters, Light};
 use pelage_fur::shell::Shell;
 
 /// Where a column's shadow rays start, cm: at the top of the light lattice, a little above the skin in any case.
-pub fn origin(shell: &Shell, fur: &Fur, column: &Column) -> Vec3 {
+pub fn origin(shell: &Shell, fur: &FurParameters, column: &Column) -> Vec3 {
     let (place, top) = node_place(shell, fur, column, fur.levels);
     top + place.e1.cross(place.e2).normalize() * 1e-3
 }
@@ -35,7 +35,7 @@ pub fn blocked(shell: &Shell, origin: Vec3, ray: Vec3) -> bool {
 }
 
 /// One bit a light that the skin keeps from a column.
-pub fn bits(shell: &Shell, fur: &Fur, lights: &[Light], column: &Column) -> u64 {
+pub fn bits(shell: &Shell, fur: &FurParameters, lights: &[Light], column: &Column) -> u64 {
     let origin = origin(shell, fur, column);
     (0..fur.lights as usize)
         .filter(|j| blocked(shell, origin, lights[*j].direction.into()))

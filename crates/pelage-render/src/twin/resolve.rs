@@ -1,8 +1,8 @@
 //! Twin of `shaders/resolve.wgsl`: the fragments of a sample to its colour.
 
-use crate::twin::undercoat_march::{Scenery, Step, steps};
+use crate::twin::undercoat_march::{MarchInputs, Step, steps};
 use glam::{Vec3, Vec4};
-use pelage_fur::layout::Fur;
+use pelage_fur::layout::FurParameters;
 
 /// What a fragment is: the top two bits of its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,7 +125,7 @@ pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 
 
 /// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by eq. 4 unless there are
 /// virtual fragments.
-pub fn stored(fur: &Fur, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
+pub fn stored(fur: &FurParameters, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
     sort(&mut nodes);
     let mut g = Gathered::new();
     for (i, node) in nodes.iter().enumerate() {
@@ -141,7 +141,7 @@ pub fn stored(fur: &Fur, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
 /// Blends strands and the undercoat marched from the list's entries, each at its true depth: the steps of the march are cut at
 /// every strand. What two entries share is counted for the first.
 pub fn exact(
-    scenery: &Scenery<'_>,
+    inputs: &MarchInputs<'_>,
     mut nodes: Vec<Node>,
     ray: Vec3,
     phase: f32,
@@ -152,7 +152,7 @@ pub fn exact(
     let mut pieces: Vec<Step> = Vec::new();
     let mut consumed = 0f32;
     for entry in nodes.iter().filter(|n| n.kind() == Kind::Entry) {
-        let (made, _) = steps(scenery, ray, entry.id(), entry.z, phase);
+        let (made, _) = steps(inputs, ray, entry.id(), entry.z, phase);
         let end = made.last().map_or(entry.z, |s| s.z_end);
         pieces.extend(made.iter().map(|s| Step { z: s.z.max(consumed), z_end: s.z_end.min(z_base), ..*s }));
         consumed = consumed.max(end);

@@ -1,12 +1,12 @@
 //! Twin of `shaders/shell_lattice.wgsl`: what the columns of the light lattice know of the skin below them.
 
 use crate::twin::lattice::{column_lambda, pack_albedo};
-use pelage_fur::layout::{Column, Fur};
+use pelage_fur::layout::{Column, FurParameters};
 use pelage_fur::parameters::{Maps, Parameter, skin_point};
 use pelage_fur::shell::Shell;
 
 /// `column` with density factor and colours set.
-pub fn column(shell: &Shell, fur: &Fur, maps: &Maps<'_>, column: &Column) -> Column {
+pub fn column(shell: &Shell, fur: &FurParameters, maps: &Maps<'_>, column: &Column) -> Column {
     let at = skin_point(shell, column.prism, column_lambda(fur, column));
     Column {
         density: maps.scalar(Parameter::UndercoatDensity, &at) / fur.density,

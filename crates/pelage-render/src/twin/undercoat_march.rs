@@ -23,7 +23,7 @@ pub fn first_phase(frame: &Frame, xy: [u32; 2]) -> f32 {
 
 /// What a march reads.
 #[derive(Clone, Copy)]
-pub struct Scenery<'a> {
+pub struct MarchInputs<'a> {
     /// The medium.
     pub undercoat: Undercoat<'a>,
     /// Light at the nodes of the lattice.
@@ -51,9 +51,9 @@ pub struct Step {
 
 /// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell;
 /// `phase` is the length of the first step. Also tells whether the ray was lost.
-pub fn steps(scenery: &Scenery<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
-    let fur = scenery.undercoat.fur;
-    let shell = scenery.undercoat.shell;
+pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
+    let fur = inputs.undercoat.fur;
+    let shell = inputs.undercoat.shell;
     let speed = ray.length();
     let view = -ray / speed;
     let mut place = Place { t: 1.0, ..shell.enter(prism) };
@@ -62,7 +62,7 @@ pub fn steps(scenery: &Scenery<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -
     let mut dz = fur.step / speed * phase;
     loop {
         let z_mid = z + 0.5 * dz;
-        let x = Vec3::from(scenery.frame.eye) + z_mid * ray;
+        let x = Vec3::from(inputs.frame.eye) + z_mid * ray;
         let found = shell.locate(&mut place, x, ray, if steps.is_empty() { 4 } else { 2 });
         if found != Located::Inside {
             return (steps, found == Located::Lost);
@@ -84,8 +84,8 @@ pub fn steps(scenery: &Scenery<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -
             z_end = z_mid + (1.0 - t) / slope;
             last = true;
         }
-        let medium = scenery.undercoat.at(&place);
-        let (radiance, density) = source_radiance(scenery, &place, medium, view);
+        let medium = inputs.undercoat.at(&place);
+        let (radiance, density) = source_radiance(inputs, &place, medium, view);
         let sigma = extinction(fur, medium, view) * density * speed;
         steps.push(Step { z, z_end, sigma, radiance, place });
         if last {
@@ -110,14 +110,14 @@ pub struct Lookup {
 }
 
 /// Interpolates the light lattice; the ambient radiance by its logarithm.
-pub fn look_up(scenery: &Scenery<'_>, place: &Place) -> Lookup {
-    let fur = scenery.undercoat.fur;
+pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
+    let fur = inputs.undercoat.fur;
     let cell = lattice::cell(fur, place);
     let (mut ambient, mut tau, mut albedo) = (Vec4::ZERO, [0f32; 2], Vec3::ZERO);
     for (k, level) in (0..3).flat_map(|k| [(k, 0), (k, 1)]) {
         let part = if level == 0 { 1.0 - cell.fraction } else { cell.fraction };
         let w = cell.weights[k] * part;
-        let words = scenery.source[lattice::node_index(fur, cell.columns[k], cell.level + level) as usize];
+        let words = inputs.source[lattice::node_index(fur, cell.columns[k], cell.level + level) as usize];
         let [r, g] = halves(words[0]);
         let [b, density] = halves(words[1]);
         ambient += w * Vec4::new(r, g, b, density);
@@ -129,17 +129,17 @@ pub fn look_up(scenery: &Scenery<'_>, place: &Place) -> Lookup {
 }
 
 /// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
-pub fn source_radiance(scenery: &Scenery<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
-    let fur = scenery.undercoat.fur;
-    let found = look_up(scenery, place);
+pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
+    let fur = inputs.undercoat.fur;
+    let found = look_up(inputs, place);
     let mut sum = found.ambient;
     for j in 0..fur.keys as usize {
         let l = Vec4::from(fur.key_direction[j]).truncate();
         let through = (-found.tau[j] * (1.0 - fur.forward_scattering * found.albedo)).exp();
-        let scattered = scatter(scenery.coat, m.tangent, l, view, found.albedo);
+        let scattered = scatter(inputs.coat, m.tangent, l, view, found.albedo);
         sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * scattered;
     }
-    (sum * color(scenery.coat, found.albedo), found.density)
+    (sum * color(inputs.coat, found.albedo), found.density)
 }
 
 /// A fragment of the undercoat.
@@ -154,17 +154,17 @@ pub struct Fragment {
 /// Fragments of a ray with its entries (depth, prism) in order, before the skin at `z_base`: one an entry, or of equal opacity where
 /// `fur.virtual_fragments` asks for them. What two entries share is counted for the first.
 pub fn fragments(
-    scenery: &Scenery<'_>,
+    inputs: &MarchInputs<'_>,
     ray: Vec3,
     phase: f32,
     entries: &[(f32, u32)],
     z_base: f32,
 ) -> Vec<Fragment> {
-    let fur = scenery.undercoat.fur;
+    let fur = inputs.undercoat.fur;
     let mut made = Vec::new();
     let mut consumed = 0f32;
     for (z_entry, prism) in entries {
-        let (steps, _) = steps(scenery, ray, *prism, *z_entry, phase);
+        let (steps, _) = steps(inputs, ray, *prism, *z_entry, phase);
         // Pieces of even medium in which nothing is counted twice.
         let mut pieces: Vec<(f32, f32, f32, Vec3)> = Vec::new();
         let mut opaque = 0f32;

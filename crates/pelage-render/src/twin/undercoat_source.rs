@@ -7,7 +7,7 @@ use pelage_core::scene::MultipleModel;
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
 use pelage_fur::groom::tau_pairs;
-use pelage_fur::layout::{Column, Frame, Fur, Light};
+use pelage_fur::layout::{Column, Frame, FurParameters, Light};
 use pelage_fur::shell::{Place, Shell};
 use pelage_fur::undercoat::{color, mean_color, scatter};
 use pelage_transport::Table;
@@ -43,7 +43,7 @@ pub fn unpack(words: [u32; 4]) -> Source {
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
     /// Parameters.
-    pub fur: &'a Fur,
+    pub fur: &'a FurParameters,
     /// The shell.
     pub shell: &'a Shell,
     /// All lights.

@@ -3,7 +3,7 @@
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma};
-use super::strand::{Fur, Hair};
+use super::strand::{HairSource, Hair};
 use super::voxels::Block;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
@@ -24,7 +24,7 @@ struct Drawn {
 /// The hairs with roots in the first `slab` of the torus along v (as part of its edge), seen along v: u to the right, up. With `split`
 /// the second texture holds the guard hairs' part, else it is empty.
 pub fn fin(
-    fur: &impl Fur,
+    fur: &impl HairSource,
     block: &Block,
     resolution: [u32; 2],
     slab: f32,

@@ -144,7 +144,7 @@ pub struct ViewLight {
 /// ([`LAYERS_FILE`], [`FIN_FILE`]), are not written here.
 ///
 /// # Errors
-/// [`Error::Check`] where `lapped` is not of this skin, sizes of the textures are not positive, the skin has no uv though the
+/// [`Error::Unsupported`] where `lapped` is not of this skin, sizes of the textures are not positive, the skin has no uv though the
 /// scene maps by it, or a map of `[shells]` is not loaded; [`Error::Io`].
 pub fn write(
     world: &World,
@@ -276,7 +276,7 @@ fn document(
         view,
     };
     let extras = serde_json::to_value(extras)
-        .map_err(|e| Error::Check(format!("{GLTF_FILE}: the settings cannot be written as JSON: {e}")))?;
+        .map_err(|e| Error::Encoding(format!("{GLTF_FILE}: the settings cannot be written as JSON: {e}")))?;
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,

@@ -3,7 +3,7 @@
 //! as much, so that each covers what it did.
 
 use super::means::SkinSamples;
-use super::strand::{Fur, Hair, Knot};
+use super::strand::{HairSource, Hair, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::Guard;
@@ -104,7 +104,7 @@ pub(super) fn whole(wanted: f32, most: u32) -> (u32, f32) {
     (count, wanted / count as f32)
 }
 
-impl Fur for GuardFur<'_> {
+impl HairSource for GuardFur<'_> {
     fn count(&self) -> u32 {
         self.count
     }

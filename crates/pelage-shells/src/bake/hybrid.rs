@@ -2,10 +2,10 @@
 
 use super::guard::GuardFur;
 use super::means::SkinSamples;
-use super::strand::{Fur, Hair};
+use super::strand::{HairSource, Hair};
 use super::undercoat::UndercoatFur;
 use glam::Vec3;
-use pelage_core::scene::Fur as FurLayers;
+use pelage_core::scene::FurLayers;
 use pelage_core::{Error, Result, World};
 
 /// Hairs of a kind that are grown for each texel of a layer, at most; where the patch has more, each stands for several.
@@ -49,7 +49,7 @@ impl<'a> HybridFur<'a> {
     }
 
     fn guards(&self) -> u32 {
-        self.guard.as_ref().map_or(0, Fur::count)
+        self.guard.as_ref().map_or(0, HairSource::count)
     }
 
     fn pick<T>(
@@ -66,9 +66,9 @@ impl<'a> HybridFur<'a> {
     }
 }
 
-impl Fur for HybridFur<'_> {
+impl HairSource for HybridFur<'_> {
     fn count(&self) -> u32 {
-        self.guards() + self.coat.as_ref().map_or(0, Fur::count)
+        self.guards() + self.coat.as_ref().map_or(0, HairSource::count)
     }
 
     fn hair(&self, i: u32) -> Hair {

@@ -64,7 +64,7 @@ impl Default for WriteOptions {
 /// Checks that the sizes of the textures are those of the manifest.
 ///
 /// # Errors
-/// [`Error::Check`] with the texture, what it has and what was expected.
+/// [`Error::Unsupported`] with the texture, what it has and what was expected.
 pub fn check(textures: &FurTextures) -> Result<()> {
     let manifest = &textures.manifest;
     let expect = |name: String, t: &Texture, [w, h]: [u32; 2]| {
@@ -73,19 +73,19 @@ pub fn check(textures: &FurTextures) -> Result<()> {
             return Ok(());
         }
         let found = format!("{} x {} ({texels} texels)", t.width, t.height);
-        Err(Error::Check(format!("{name} is {found}, expected {w} x {h} as the manifest says")))
+        Err(Error::Unsupported(format!("{name} is {found}, expected {w} x {h} as the manifest says")))
     };
     for (name, part) in [("layer", &textures.layers), ("guard layer", &textures.guard)] {
         if part.len() != manifest.layers as usize && !(part.is_empty() && name == "guard layer") {
             let (found, expected) = (part.len(), manifest.layers);
-            return Err(Error::Check(format!("{found} {name}s, expected {expected} as the manifest says")));
+            return Err(Error::Unsupported(format!("{found} {name}s, expected {expected} as the manifest says")));
         }
         for (l, texture) in part.iter().enumerate() {
             expect(format!("{name} {l}"), texture, manifest.resolution)?;
         }
     }
     if textures.layers.is_empty() {
-        return Err(Error::Check("there are no layers, expected at least one".into()));
+        return Err(Error::Unsupported("there are no layers, expected at least one".into()));
     }
     expect("the fin".into(), &textures.fin, manifest.fin_resolution)?;
     if !textures.guard.is_empty() {
@@ -111,7 +111,7 @@ pub fn check_folder(dir: &Path) -> Result<()> {
 /// file, the file is complete.
 ///
 /// # Errors
-/// [`Error::Check`] as [`check`]; [`Error::Usage`] for no formats; [`Error::Io`].
+/// [`Error::Unsupported`] as [`check`]; [`Error::Usage`] for no formats; [`Error::Io`].
 pub fn write(textures: &FurTextures, dir: &Path, options: &WriteOptions) -> Result<Vec<PathBuf>> {
     check(textures)?;
     if options.formats.is_empty() {

@@ -1,7 +1,7 @@
 //! Hair grown by particles that rise through a box whose sides wrap around.
 // [Lengyel2001] sec. 3.1
 
-use super::strand::{Fur, Hair, Knot};
+use super::strand::{HairSource, Hair, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::Particles;
@@ -31,7 +31,7 @@ impl<'a> ParticleFur<'a> {
     }
 }
 
-impl Fur for ParticleFur<'_> {
+impl HairSource for ParticleFur<'_> {
     fn count(&self) -> u32 {
         self.parameters.count
     }

@@ -27,7 +27,7 @@ pub struct Hair {
 }
 
 /// Hairs that can be grown in any order, as often as wanted: the i-th is always the same.
-pub trait Fur: Sync {
+pub trait HairSource: Sync {
     /// Number of hairs.
     fn count(&self) -> u32;
     /// Grows the hair of a number below `count`.
@@ -36,7 +36,7 @@ pub trait Fur: Sync {
     fn root(&self, i: u32) -> [f32; 2];
 }
 
-impl Fur for Vec<Hair> {
+impl HairSource for Vec<Hair> {
     fn count(&self) -> u32 {
         self.len() as u32
     }

@@ -5,7 +5,7 @@
 
 use super::guard::whole;
 use super::means::SkinSamples;
-use super::strand::{Fur, Hair, Knot};
+use super::strand::{HairSource, Hair, Knot};
 use super::torus::PeriodicNoise;
 use glam::{Vec2, Vec3};
 use pelage_core::scene::{NoiseDomain, Undercoat};
@@ -86,7 +86,7 @@ impl<'a> UndercoatFur<'a> {
 /// Height within the hair's part of the volume where hairs are densest against one another: roots are drawn for the clumps there.
 const MIDDLE: f32 = 0.5;
 
-impl Fur for UndercoatFur<'_> {
+impl HairSource for UndercoatFur<'_> {
     fn count(&self) -> u32 {
         self.count
     }

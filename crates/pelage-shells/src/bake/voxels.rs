@@ -3,7 +3,7 @@
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma, sigma_of};
-use super::strand::{Fur, Hair};
+use super::strand::{HairSource, Hair};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
@@ -70,7 +70,7 @@ struct Layer {
 
 /// Samples hairs into layers. `split` keeps the guard hairs' part. The result does not depend on the number of threads, and where all
 /// roots move by whole texels it moves with them, bit by bit.
-pub fn voxelise(fur: &impl Fur, block: &Block, keep: Keep, split: bool) -> Voxels {
+pub fn voxelise(fur: &impl HairSource, block: &Block, keep: Keep, split: bool) -> Voxels {
     let [width, height] = block.resolution;
     let texels = width as usize * height as usize;
     let new = |_| Layer {

@@ -233,7 +233,7 @@ impl Laplacian {
         }
         let diagonal = diagonal.into_iter().enumerate().map(|(f, d)| (f, f, Complex::new(d, 0.0)));
         let factor = Factor::new(faces, entries.into_iter().chain(diagonal)).ok_or_else(|| {
-            Error::Check(format!("the direction field of {faces} faces could not be solved for"))
+            Error::Unsupported(format!("the direction field of {faces} faces could not be solved for"))
         })?;
         Ok(Self { factor, mass })
     }

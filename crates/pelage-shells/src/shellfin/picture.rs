@@ -1,6 +1,6 @@
 //! Pictures of shells and fins: the rasteriser's image as samples of the film, tile by tile.
 
-use super::{Moment, Rows, Shellfins};
+use super::{Pose, Rows, Shellfins};
 use glam::Vec2;
 use pelage_core::film::Film;
 use pelage_core::stats::Stats;
@@ -97,9 +97,9 @@ fn render_tiles(
     let jobs = jobs(gpu, world, &plan, planes, options.crop)?;
     let largest = jobs.iter().fold([1, 1], |most, j| [0, 1].map(|k| j.size[k].max(most[k])));
     let pictures = Pictures::new(gpu, largest.map(|s| s * plan.grid + 2 * plan.reach))?;
-    let moment = Moment::at(world, options.time, fur.height());
+    let pose = Pose::at(world, options.time, fur.height());
     let lens = plan.passes.iter().any(|(_, lens)| *lens != Vec2::ZERO);
-    let mut rows = fur.rows(&view, &moment, timings)?;
+    let mut rows = fur.rows(&view, &pose, timings)?;
     let count = jobs.len();
     while let Some(job) = jobs.get(*done) {
         if options.cancelled() {
@@ -111,7 +111,7 @@ fn render_tiles(
         for pass in 0..plan.passes.len() {
             let frame = tile.frame(pass);
             if lens {
-                rows = fur.rows(&frame, &moment, timings)?;
+                rows = fur.rows(&frame, &pose, timings)?;
             }
             tile.render(pass, &frame, &fur, &rows, &pictures, &pixels, timings)?;
         }

@@ -5,7 +5,7 @@ use glam::{Vec2, Vec3};
 use pelage_core::scene::LightingTable;
 use pelage_fur::fibre::table::MEAN_GLINT;
 use pelage_fur::fibre::{Angles, Fibre, Hit};
-use pelage_fur::layout::{Brush, Frame, Fur, Light, ShellRow, ShellVertex, Shellfin};
+use pelage_fur::layout::{Brush, Frame, FurParameters, Light, ShellRow, ShellVertex, Shellfin};
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint, unpack_color};
 use pelage_fur::undercoat::scatter;
 use pelage_render::twin::film::halves;
@@ -16,7 +16,7 @@ pub struct Hair<'a> {
     /// What is drawn.
     pub shellfin: &'a Shellfin,
     /// Undercoat and lattice.
-    pub fur: &'a Fur,
+    pub fur: &'a FurParameters,
     /// Groom and maps.
     pub maps: Maps<'a>,
     /// All lights.

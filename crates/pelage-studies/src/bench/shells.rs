@@ -14,7 +14,7 @@ use pelage_fur::camera;
 use pelage_gpu::Gpu;
 use pelage_gpu::recorder::Timings;
 use pelage_shells::shellfin;
-use pelage_shells::shellfin::{Moment, Pictures, Shellfins};
+use pelage_shells::shellfin::{Pose, Pictures, Shellfins};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -290,11 +290,11 @@ impl Row {
         let fur = Shellfins::new(gpu, world, &textures, &view, &mut Timings::default())?;
         let laying_ms = milliseconds(started);
         let pictures = Pictures::new(gpu, size)?;
-        let moment = Moment::at(world, 0.0, fur.height());
+        let pose = Pose::at(world, 0.0, fur.height());
         let one = || -> Result<(f64, u32, Timings)> {
             let started = Instant::now();
             let mut timings = Timings::default();
-            let rows = fur.rows(&view, &moment, &mut timings)?;
+            let rows = fur.rows(&view, &pose, &mut timings)?;
             let frame = gpu.uniform("frame", &view)?;
             fur.draw(&frame, &rows, &pictures.targets(size), &mut timings)?;
             Ok((milliseconds(started), rows.draws.shells, timings))

@@ -1,7 +1,7 @@
 //! Comparisons: the same fur rendered in several ways.
 
 use super::{MEBIBYTE, Times, cell, mebibytes, repeat};
-use pelage_core::scene::{Blend, Fur, Scalar, Storage};
+use pelage_core::scene::{Blend, FurLayers, Scalar, Storage};
 use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, World};
 use pelage_gpu::Gpu;
@@ -136,7 +136,7 @@ fn steps(stats: &Stats, chosen: &[u32]) -> Option<f64> {
 fn blends(world: &World) -> Vec<Variant> {
     let with = |label: &str, blend| {
         let mut world = world.clone();
-        world.scene.render.fur = Fur::Hybrid;
+        world.scene.render.fur = FurLayers::Hybrid;
         world.scene.render.blend = blend;
         world.scene.render.virtual_fragments = VIRTUAL_FRAGMENTS;
         Variant { label: label.into(), first: blend == Blend::Exact, world }
@@ -157,7 +157,7 @@ fn subdivisions(gpu: &Gpu, world: &World) -> (String, Vec<Variant>) {
     for (name, storage) in [("stored", Storage::Stored), ("evaluated", Storage::Evaluated)] {
         for d in 0..=DEEPEST {
             let mut world = world.clone();
-            world.scene.render.fur = Fur::Implicit;
+            world.scene.render.fur = FurLayers::Implicit;
             world.scene.render.blend = Blend::Exact;
             world.scene.undercoat.subdivision = Some(d);
             world.scene.undercoat.layers = layers;

@@ -23,7 +23,7 @@ fn flip_of(
 ) -> Result<Vec<f32>> {
     // The library counts bytes in 32 bits.
     if image.len() > (u32::MAX / 4) as usize {
-        return Err(Error::Check(format!("{} x {} pixels are too many for FLIP", size[0], size[1])));
+        return Err(Error::Unsupported(format!("{} x {} pixels are too many for FLIP", size[0], size[1])));
     }
     let [width, height] = size.map(|n| n as u32);
     let of = |pixels: &[[f32; 4]]| {

@@ -1,6 +1,6 @@
 //! Small versions of the figures that are kept in the repository, so that a change which alters one is noticed.
 
-use super::made::{Record, Value};
+use super::content::{Record, Value};
 use super::result_folder;
 use crate::compare::compare;
 use crate::provenance::write_json;
@@ -24,7 +24,7 @@ pub(super) struct Kept {
     /// The assembled panels.
     pub(super) sheet: Option<String>,
     /// Plots and drawings with their captions.
-    pub(super) drawings: Vec<super::made::Drawing>,
+    pub(super) drawings: Vec<super::content::Drawing>,
     /// Tables and words as they were, Markdown: for the report, not compared.
     pub(super) text: String,
     /// Machine, version and date of the text; empty without one.
@@ -100,7 +100,7 @@ pub(super) fn differences(record: &Record, root: &Path, folder: &Path) -> Result
         }
     }
     let files =
-        |drawings: &[super::made::Drawing]| drawings.iter().map(|d| d.file.clone()).collect::<Vec<_>>();
+        |drawings: &[super::content::Drawing]| drawings.iter().map(|d| d.file.clone()).collect::<Vec<_>>();
     let [now, then] = [files(&record.drawings), files(&kept.drawings)];
     if now != then {
         lines.push(format!("{name}: drawings are {now:?}, kept are {then:?}"));

@@ -1,6 +1,6 @@
 //! The report as one page: everything beside it, nothing from elsewhere, no server. Its only script moves the sliders.
 
-use super::made::Record;
+use super::content::Record;
 use super::markdown::work_of;
 use crate::report::escape;
 use pelage_core::{Result, files};
@@ -150,7 +150,7 @@ fn prose(markdown: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::made::{Drawing, Picture};
+    use super::super::content::{Drawing, Picture};
     use super::*;
 
     #[test]

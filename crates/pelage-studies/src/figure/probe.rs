@@ -6,7 +6,7 @@ use pelage_core::{Error, Result, World};
 use pelage_fur::camera;
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::{Frame, Fur};
+use pelage_fur::layout::{Frame, FurParameters};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
 use pelage_fur::surface::corner_uv;
@@ -18,7 +18,7 @@ use pelage_render::prepare::Prepared;
 use pelage_render::twin::base_raster;
 use pelage_render::twin::film::{Sample, halves, unpack};
 use pelage_render::twin::resolve::{Base, Node, sort};
-use pelage_render::twin::undercoat_march::Scenery;
+use pelage_render::twin::undercoat_march::MarchInputs;
 
 /// Fragments a sample for which there is room, if a binding holds them.
 const FRAGMENTS: u64 = 256;
@@ -29,7 +29,7 @@ pub(super) struct Probe<'a> {
     pub(super) prepared: Prepared<'a>,
     pub(super) packed: PackedGroom,
     /// Undercoat and lattice as the passes read them.
-    pub(super) fur: Fur,
+    pub(super) fur: FurParameters,
     pub(super) shell: Shell,
     /// The light lattice as the march reads it.
     pub(super) source: Vec<[u32; 4]>,
@@ -140,7 +140,7 @@ impl<'a> Probe<'a> {
             .buffer(name)
             .or_else(|| p.resident.as_ref().and_then(|strands| strands.buffer(name)))
             .or_else(|| self.buffers.iter().find(|b| b.name == name))
-            .ok_or_else(|| Error::Check(format!("the renderer kept no buffer {name:?}")))?;
+            .ok_or_else(|| Error::Unsupported(format!("the renderer kept no buffer {name:?}")))?;
         p.gpu.read(buffer, (count * size_of::<T>()) as u64)
     }
 
@@ -157,14 +157,14 @@ impl<'a> Probe<'a> {
     }
 
     /// What the march reads.
-    pub(super) fn scenery(&self) -> Scenery<'_> {
+    pub(super) fn inputs(&self) -> MarchInputs<'_> {
         let undercoat = Undercoat {
             fur: &self.fur,
             noise: Field::new(self.world.scene.render.seed),
             shell: &self.shell,
             cells: &self.cells,
         };
-        Scenery { undercoat, source: &self.source, frame: &self.frame, coat: &self.packed.coat_fibre }
+        MarchInputs { undercoat, source: &self.source, frame: &self.frame, coat: &self.packed.undercoat_fibre }
     }
 
     /// Step 5's march, which adds shell or virtual fragments.
@@ -180,7 +180,7 @@ impl<'a> Probe<'a> {
             return Ok(());
         }
         let Some(strands) = &p.resident else {
-            return Err(Error::Check("the guard hairs do not fit the scene's memory at once".into()));
+            return Err(Error::Unsupported("the guard hairs do not fit the scene's memory at once".into()));
         };
         let all: Vec<u32> = (0..strands.count).collect();
         let list = p.gpu.upload("bins", 6, &all)?;
@@ -203,12 +203,12 @@ impl<'a> Probe<'a> {
     /// The fragments of each pixel, nearest first.
     ///
     /// # Errors
-    /// [`Error::Check`] if there were more than the lists hold.
+    /// [`Error::Unsupported`] if there were more than the lists hold.
     pub(super) fn lists(&self) -> Result<Vec<Vec<Node>>> {
         let count = self.samples();
         let used = u64::from(self.read::<u32>("fragment_lists", 1)?[0]);
         if used > self.capacity {
-            return Err(Error::Check(format!(
+            return Err(Error::Unsupported(format!(
                 "{used} fragments, and room for {}: make the tile smaller",
                 self.capacity
             )));

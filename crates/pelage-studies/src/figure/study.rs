@@ -1,4 +1,4 @@
-//! Figures that are more than scenes side by side: each study is a function from a [`Stage`] to a [`Made`].
+//! Figures that are more than scenes side by side: each study is a function from a [`FigureContext`] to a [`FigureContent`].
 
 mod boxes;
 mod canvas;
@@ -23,11 +23,11 @@ mod times;
 mod tree;
 mod virtual_fragments;
 
-use super::{Made, Stage};
+use super::{FigureContent, FigureContext};
 use pelage_core::Result;
 
 /// A study.
-pub type Study = fn(&Stage) -> Result<Made>;
+pub type Study = fn(&FigureContext) -> Result<FigureContent>;
 
 /// All studies, by the names that `figure.toml` calls them.
 pub static STUDIES: &[(&str, Study)] = &[

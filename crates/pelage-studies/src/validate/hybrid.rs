@@ -7,7 +7,7 @@ use crate::provenance::only_files_missing;
 use glam::Vec3;
 use pelage_core::assets::Assets;
 use pelage_core::film::Film;
-use pelage_core::scene::{Fur, MultipleModel, Shading};
+use pelage_core::scene::{FurLayers, MultipleModel, Shading};
 use pelage_core::{Error, Result, World};
 use pelage_pathtrace as pathtrace;
 use pelage_pathtrace::Integrator;
@@ -66,7 +66,7 @@ const VARIANTS: [Variant; 7] = [
         name: "volume only",
         best: false,
         set: |w| {
-            w.scene.render.fur = Fur::Implicit;
+            w.scene.render.fur = FurLayers::Implicit;
             w.scene.render.multiple.model = MultipleModel::Transport;
         },
         equal_time: false,
@@ -75,7 +75,7 @@ const VARIANTS: [Variant; 7] = [
         name: "strands only, equal time",
         best: false,
         set: |w| {
-            w.scene.render.fur = Fur::Explicit;
+            w.scene.render.fur = FurLayers::Explicit;
             w.scene.render.multiple.model = MultipleModel::None;
         },
         equal_time: true,

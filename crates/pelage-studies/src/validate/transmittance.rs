@@ -13,7 +13,7 @@ use pelage_fur::undercoat::Undercoat;
 use pelage_fur::view;
 use pelage_fur::{camera, groom};
 use pelage_pathtrace::bvh::Ray;
-use pelage_pathtrace::geometry::{Departure, Geometry, Hit};
+use pelage_pathtrace::geometry::{RayOrigin, Geometry, Hit};
 use pelage_pathtrace::grow::{GrowOptions, Patch, grow};
 use pelage_pathtrace::strands::{Hair, Strands};
 use rayon::prelude::*;
@@ -126,7 +126,7 @@ pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
             let up = Vec3::new(angle.sin() * azimuth.cos(), angle.cos(), angle.sin() * azimuth.sin());
             let start = end + ABOVE * height / angle.cos() * up;
             let ray = Ray::new(Vec3A::from(start), Vec3A::from(-up));
-            let hit = geometry.closest(&ray, &Departure::default(), h, stack);
+            let hit = geometry.closest(&ray, &RayOrigin::default(), h, stack);
             u32::from(matches!(hit, Some((Hit::Skin(_), _))))
         })
         .sum();

@@ -17,7 +17,7 @@ const STEEPEST: f32 = 0.8;
 /// Part of its height, 0..1, that the shell keeps over each vertex when it is raised along `upright`. As shaders/shell_prisms.wgsl lowers it.
 ///
 /// # Errors
-/// [`pelage_core::Error::Check`] if the map of the undercoat's height is not loaded.
+/// [`pelage_core::Error::Unsupported`] if the map of the undercoat's height is not loaded.
 // [Andersen2016] sec. 3
 pub(super) fn kept(world: &World, upright: &[Vec3]) -> Result<Vec<f32>> {
     let (skin, scene) = (&world.skin, &world.scene);

@@ -2,7 +2,7 @@
 
 use super::{Manifest, heights};
 use crate::lapped::Lapped;
-use crate::shellfin::Moment;
+use crate::shellfin::Pose;
 use glam::{Vec2, Vec3};
 use pelage_core::maps::VERTEX_COLOR;
 use pelage_core::mesh::topology;
@@ -54,19 +54,19 @@ pub struct FinEdge {
 /// Splits the skin's vertices so that each has one place in the textures, and evaluates hair and colours there.
 ///
 /// # Errors
-/// [`Error::Check`]: see [`super::write`].
+/// [`Error::Unsupported`]: see [`super::write`].
 pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clothed> {
     let skin = &world.skin;
     let by_uv = world.scene.shells.mapping == Mapping::Uv;
     let own = if by_uv { crate::shellfin::uv_in_cm(skin) } else { None };
     let corners = if by_uv { own.as_ref() } else { Some(&lapped.corner_uv) };
     let corners = corners.ok_or_else(|| {
-        Error::Check(
+        Error::Unsupported(
             "shells.mapping is \"uv\", and the mesh has no uv: use \"lapped\", or a mesh with uv".into(),
         )
     })?;
     if corners.len() != skin.triangles.len() || skin.triangles.is_empty() {
-        return Err(Error::Check(format!(
+        return Err(Error::Unsupported(format!(
             "found patches for {} faces, expected those of a skin of {} faces, at least one",
             corners.len(),
             skin.triangles.len()
@@ -83,12 +83,12 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
         ("layers", manifest.layers as f32),
     ] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(Error::Check(format!("manifest: found {name} = {value}, expected a number above 0")));
+            return Err(Error::Unsupported(format!("manifest: found {name} = {value}, expected a number above 0")));
         }
     }
     let height = spacing * manifest.layers as f32;
     let curved = manifest.source == BakeSource::Hybrid;
-    let bend = Moment::at(world, 0.0, height).by_height(height);
+    let bend = Pose::at(world, 0.0, height).by_height(height);
     // Those along which `pelage render --fur shells` raises the shells.
     let upright = surface::shell_normals(skin, groom::pack(world)?.fur.height);
     let kept = if curved { heights::kept(world, &upright)? } else { vec![1.0; upright.len()] };
@@ -226,6 +226,6 @@ fn lookup(world: &World, key: &str, map: &str, color: bool, at: &Point) -> Resul
         return Ok(at.color.extend(1.0).to_array());
     }
     let image = world.maps.index_of(map, color).and_then(|i| world.maps.images.get(i));
-    let image = image.ok_or_else(|| Error::Check(format!("{key}: the map \"{map}\" is not loaded")))?;
+    let image = image.ok_or_else(|| Error::Unsupported(format!("{key}: the map \"{map}\" is not loaded")))?;
     Ok(at.uv.map_or_else(|| image.triplanar(at.position, at.normal, 1.0), |uv| image.bilinear(uv)))
 }

@@ -4,7 +4,7 @@ use super::subelements::{cells, corners};
 use glam::{Vec3, Vec3A};
 use pelage_fur::shell::{Located, Place, Shell, subelement, subelement_centroid};
 use pelage_pathtrace::bvh::{Bounds, Bvh, Part, Ray, Stack};
-use pelage_render::twin::undercoat_march::Scenery;
+use pelage_render::twin::undercoat_march::MarchInputs;
 
 /// A ray: direction of forward component 1, entry, length of the first step, and the skin.
 pub(super) struct Start {
@@ -65,13 +65,13 @@ impl<'a> Tree<'a> {
     /// The steps of the march, each asking the tree for the subelement it is in.
     pub(super) fn ask_at_steps(
         &self,
-        scenery: &Scenery<'_>,
+        inputs: &MarchInputs<'_>,
         eye: Vec3,
         start: &Start,
         stack: &mut Stack,
         pieces: &mut Vec<Piece>,
     ) {
-        let length = scenery.undercoat.fur.step / start.ray.length();
+        let length = inputs.undercoat.fur.step / start.ray.length();
         let mut z = start.z;
         let mut dz = length * start.phase;
         loop {

@@ -1,8 +1,8 @@
 //! Fur composited into a plate of the place that lights it; the place as a mirror ball shows it, and its map with the directional lights
 //! that are made of it.
 
-use super::super::made::Shot;
-use super::super::{Made, Stage};
+use super::super::content::PanelImage;
+use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use glam::{Quat, Vec3};
 use pelage_core::assets::Assets;
@@ -40,12 +40,12 @@ struct Sky {
     film: FilmSpec,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, assets) = stage.load(&settings.scene, &[])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, assets) = context.load(&settings.scene, &[])?;
     let environment = world.scene.environment.as_ref().filter(|e| !e.map.is_empty());
     let environment = environment
-        .ok_or_else(|| Error::fault(stage.folder.join(&settings.scene), "has no map in [environment]"))?;
+        .ok_or_else(|| Error::fault(context.folder.join(&settings.scene), "has no map in [environment]"))?;
     let sky = Sky {
         map: Panorama::load(&assets.find(&environment.map)?)?,
         map_from_world: map_from_world(environment.rotate),
@@ -53,33 +53,33 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         film: world.scene.film.clone(),
     };
     let lights: Vec<Light> = world.lights.iter().filter(|light| light.environment).copied().collect();
-    let [width, height] = stage.size();
-    let mut made = Made::default();
-    let plate = plate(stage, &world, &assets, settings.blur)?;
-    let (composed, assets) = stage.load(&settings.scene, &["film.background=plate".into(), plate])?;
-    made.shots.push(stage.shoot("in the plate", &composed, &assets)?);
-    made.files.push((PLATE.into(), "The plate, linear light".into()));
-    made.shots.push(Shot::drawn("mirror ball", sky.ball(width, height)));
-    made.shots.push(Shot::drawn(
+    let [width, height] = context.size();
+    let mut content = FigureContent::default();
+    let plate = plate(context, &world, &assets, settings.blur)?;
+    let (composed, assets) = context.load(&settings.scene, &["film.background=plate".into(), plate])?;
+    content.shots.push(context.render_panel("in the plate", &composed, &assets)?);
+    content.files.push((PLATE.into(), "The plate, linear light".into()));
+    content.shots.push(PanelImage::drawn("mirror ball", sky.ball(width, height)));
+    content.shots.push(PanelImage::drawn(
         &format!("map with its {} lights", lights.len()),
         sky.marked(&lights, width, height),
     ));
-    made.table(&table(&lights, &sky));
-    made.value("lights", lights.len() as f64, 0.0);
+    content.table(&table(&lights, &sky));
+    content.value("lights", lights.len() as f64, 0.0);
     let sum: Vec3 = lights.iter().map(|light| light.irradiance).sum();
     let whole = sky.map.total().as_vec3() * sky.factor;
     let kept = tonemap::luminance(sum) / tonemap::luminance(whole);
-    made.value("luminous energy of the lights by that of the map", f64::from(kept), 1e-3);
-    Ok(made)
+    content.value("luminous energy of the lights by that of the map", f64::from(kept), 1e-3);
+    Ok(content)
 }
 
 /// Writes what the camera sees of the map, blurred; gives the override that names the file.
-fn plate(stage: &Stage, world: &World, assets: &Assets, blur: f32) -> Result<String> {
-    let [width, height] = stage.size();
+fn plate(context: &FigureContext, world: &World, assets: &Assets, blur: f32) -> Result<String> {
+    let [width, height] = context.size();
     let pixels = Backdrop::load(&world.scene, assets)?.pixels(width, height)?.unwrap_or_default();
     let pixels = blurred(&pixels, width as usize, blur * height as f32);
     let film = Film::from_premultiplied(width, height, &pixels);
-    let path = stage.out.join(PLATE);
+    let path = context.out.join(PLATE);
     io::write(&film, &path, &Metadata::of_program(), &FilmSpec::default())?;
     // A scene's files are looked for from the scene's folder.
     let path = path.canonicalize().map_err(|e| Error::io(&path, e))?;

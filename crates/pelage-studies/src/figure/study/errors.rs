@@ -1,7 +1,7 @@
 //! What the approximations cost: the experiments of `pelage validate` as a figure.
 
-use super::super::made::Shot;
-use super::super::{Made, Stage};
+use super::super::content::PanelImage;
+use super::super::{FigureContent, FigureContext};
 use crate::report::{Table, number};
 use crate::validate;
 use crate::validate::{Finding, Goal, Level, Section};
@@ -27,29 +27,29 @@ struct Settings {
     magnify: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
     let options = validate::Options {
         level: settings.level,
-        out: stage.out.join(REPORT),
+        out: context.out.join(REPORT),
         only: settings.experiments,
         cases: settings.cases,
     };
-    let report = validate::run(&options, &|_| {}, stage.cancel)?;
-    let mut made = Made::default();
+    let report = validate::run(&options, &|_| {}, context.cancel)?;
+    let mut content = FigureContent::default();
     for section in &report.sections {
-        stage.tell(&format!(
+        context.tell(&format!(
             "{}: {:.1} s, {} findings",
             section.name,
             section.seconds,
             section.findings.len()
         ))?;
-        made.table(&table(section));
+        content.table(&table(section));
         for (i, plot) in section.plots.iter().enumerate() {
-            made.plots.push((format!("{} {}", section.name, i + 1), plot.clone()));
+            content.plots.push((format!("{} {}", section.name, i + 1), plot.clone()));
         }
         for skipped in &section.skipped {
-            made.text += &format!("Left out: {skipped}.\n\n");
+            content.text += &format!("Left out: {skipped}.\n\n");
         }
     }
     let mut exhibits = report.sections.iter().flat_map(|section| &section.exhibits);
@@ -58,22 +58,22 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     };
     let found = exhibits.rfind(caption).ok_or_else(|| {
         Error::fault(
-            stage.folder.join("figure.toml"),
+            context.folder.join("figure.toml"),
             format!("settings.shown is {:?}: no measured case is called that", settings.shown),
         )
     })?;
     for picture in found.pictures.iter().filter(|picture| !timed(&picture.caption)) {
         // Pictures that are there already: as a display shows them.
         let film = magnified(&io::read(options.out.join(&picture.file))?, settings.magnify.max(1))?;
-        made.shots.push(Shot::drawn(&picture.caption, film));
+        content.shots.push(PanelImage::drawn(&picture.caption, film));
     }
-    made.text += &found.table.as_ref().map_or(String::new(), |table| table.markdown() + "\n");
-    made.files.push((format!("{REPORT}/report.html"), "The whole report".into()));
+    content.text += &found.table.as_ref().map_or(String::new(), |table| table.markdown() + "\n");
+    content.files.push((format!("{REPORT}/report.html"), "The whole report".into()));
     for finding in report.findings().filter(|finding| !timed(&finding.approximation)) {
         let name = format!("{}, {}, {}", finding.approximation, finding.case, finding.metric);
-        made.value(&name, finding.value, tolerance(finding));
+        content.value(&name, finding.value, tolerance(finding));
     }
-    Ok(made)
+    Ok(content)
 }
 
 /// The same with each pixel repeated.

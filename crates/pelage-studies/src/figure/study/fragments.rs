@@ -1,9 +1,9 @@
 //! The fragments of a row of pixels, seen from the side: what the lists hold after rasterisation and march, by depth.
 
 use super::super::drawing::{Anchor, Canvas, css};
-use super::super::made::Diagram;
+use super::super::content::Diagram;
 use super::super::probe::Probe;
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use glam::Vec3;
@@ -24,17 +24,17 @@ struct Settings {
     follow: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, _) = stage.load(&settings.scene, &[])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, _) = context.load(&settings.scene, &[])?;
     let row = settings.pixels.max(1);
-    let probe = Probe::new(stage.gpu, &world, settings.film, settings.first, [row, 1])?;
+    let probe = Probe::new(context.gpu, &world, settings.film, settings.first, [row, 1])?;
     probe.draw_strands()?;
     probe.march()?;
     let (lists, bases) = (probe.lists()?, probe.bases()?);
     if lists.iter().all(Vec::is_empty) || settings.follow >= row {
         let words = "the row of pixels sees no fur, or does not have the pixel to follow";
-        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+        return Err(Error::fault(context.folder.join("figure.toml"), words));
     }
     // What the GPU makes of these lists, held to the twin.
     let samples = probe.resolve(false)?;
@@ -46,15 +46,15 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         differing.abs().max_element()
     });
     let worst = worst.fold(0.0, f32::max);
-    let mut made = Made::default();
-    made.diagrams.push(Diagram {
+    let mut content = FigureContent::default();
+    content.diagrams.push(Diagram {
         name: "side".into(),
         caption: "Fragments of a row of pixels by depth; grey: the part of what lies there that is hidden"
             .into(),
         svg: side(&lists, &bases, settings.follow as usize),
     });
     let follow = settings.follow as usize;
-    made.plots.push(("transmittance".into(), transmittance(&lists[follow], bases[follow], follow)));
+    content.plots.push(("transmittance".into(), transmittance(&lists[follow], bases[follow], follow)));
     let count = |kind: Kind| lists.iter().flatten().filter(|n| n.kind() == kind).count() as f64;
     let mut rows = Vec::new();
     for (name, kind) in [
@@ -63,7 +63,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ("virtual fragments", Kind::Volume),
     ] {
         // Coverage at the very edge of a hair may come and go with the adapter's rounding.
-        made.value(name, count(kind), 0.01 * count(kind).max(100.0));
+        content.value(name, count(kind), 0.01 * count(kind).max(100.0));
         rows.push(vec![
             name.into(),
             format!("{}", count(kind)),
@@ -71,15 +71,15 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ]);
     }
     let skin = bases.iter().flatten().count() as f64;
-    made.value("pixels that see the skin's surface behind the fur", skin, 0.0);
+    content.value("pixels that see the skin's surface behind the fur", skin, 0.0);
     rows.push(vec!["skin".into(), format!("{skin}"), format!("{:.1}", skin / f64::from(row))]);
-    made.value("resolved radiance, largest difference of GPU and CPU", f64::from(worst), 0.02);
-    made.table(&Table {
+    content.value("resolved radiance, largest difference of GPU and CPU", f64::from(worst), 0.02);
+    content.table(&Table {
         caption: format!("In the row of {row} pixels:"),
         head: ["kind", "fragments", "a pixel"].map(String::from).into(),
         rows,
     });
-    Ok(made)
+    Ok(content)
 }
 
 /// Transmittance in front of each fragment and behind the last.

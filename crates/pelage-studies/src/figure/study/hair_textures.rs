@@ -1,6 +1,6 @@
 //! The hairs of a particle system, the layers and the fin that stand for them, and fur drawn with these.
 
-use super::super::{Made, Shot, Stage};
+use super::super::{FigureContent, PanelImage, FigureContext};
 use super::canvas::Canvas;
 use crate::report::{Table, number};
 use glam::{Vec2, Vec3};
@@ -23,14 +23,14 @@ const CYAN: Vec3 = Vec3::new(0.0, 0.45, 0.6);
 const SKIN: Vec3 = Vec3::new(0.55, 0.38, 0.3);
 const FRAME: Vec3 = Vec3::new(0.3, 0.3, 0.3);
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, assets) = stage.load(&settings.scene, &[])?;
-    let size = stage.size();
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, assets) = context.load(&settings.scene, &[])?;
+    let size = context.size();
     let (hairs, [edge, height]) = bake::particle_hairs(&world);
     let textures = bake::bake(&world)?;
     let slab = world.scene.bake.fin_slab * edge;
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
 
     let mut canvas = Canvas::new(&camera(edge, height), size);
     let pixel = 0.5 * size[1] as f32 / (0.48 * (edge * edge * 2.0 + height * height).sqrt());
@@ -50,7 +50,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     }
     let [front, back] = [edge, edge - slab];
     wire_box(&mut canvas, [Vec3::new(0.0, 0.0, back), Vec3::new(edge, height, front)], CYAN);
-    made.shots.push(Shot::drawn("hairs, the fin's slab", canvas.film()));
+    content.shots.push(PanelImage::drawn("hairs, the fin's slab", canvas.film()));
 
     let spread = settings.apart * height;
     let mut canvas = Canvas::new(&camera(edge, spread), size);
@@ -65,7 +65,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             canvas.line([corners[k].0, corners[(k + 1) % 4].0], Vec3::splat(0.75), 0.6, 0.0);
         }
     }
-    made.shots.push(Shot::drawn(&format!("{count} layers, drawn apart"), canvas.film()));
+    content.shots.push(PanelImage::drawn(&format!("{count} layers, drawn apart"), canvas.film()));
 
     let mut canvas = Canvas::new(&front_camera(edge, height), size);
     let corner = |u: f32, v: f32| (Vec3::new(u * edge, v * height, 0.0), Vec2::new(u, v));
@@ -74,15 +74,15 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     for k in 0..4 {
         canvas.line([corners[k].0, corners[(k + 1) % 4].0], CYAN, 1.2, 0.0);
     }
-    made.shots.push(Shot::drawn("fin", canvas.film()));
+    content.shots.push(PanelImage::drawn("fin", canvas.film()));
 
     for (label, set) in [("without texture", "base"), ("layers", "false"), ("layers and fins", "true")] {
         let set = match set {
             "base" => ["shells.shells=false".to_owned(), "shells.fins=false".to_owned()],
             fins => ["shells.shells=true".to_owned(), format!("shells.fins={fins}")],
         };
-        let (world, assets) = stage.load(&settings.scene, &set)?;
-        made.shots.push(stage.shoot(label, &world, &assets)?);
+        let (world, assets) = context.load(&settings.scene, &set)?;
+        content.shots.push(context.render_panel(label, &world, &assets)?);
     }
     drop((world, assets));
 
@@ -96,13 +96,13 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             number(of.optical_depth.into()),
         ]);
         if l == 0 || l + 1 == count {
-            made.value(&format!("coverage of layer {l}"), of.coverage.into(), 0.005);
+            content.value(&format!("coverage of layer {l}"), of.coverage.into(), 0.005);
         }
     }
-    made.value("hairs", hairs.len() as f64, 0.0);
+    content.value("hairs", hairs.len() as f64, 0.0);
     let head = ["layer", "height, cm", "mean coverage", "optical depth"].map(String::from).to_vec();
-    made.table(&Table { caption: "The layers, from the skin outwards.".into(), head, rows });
-    Ok(made)
+    content.table(&Table { caption: "The layers, from the skin outwards.".into(), head, rows });
+    Ok(content)
 }
 
 /// The box in view from the front, the right and above.

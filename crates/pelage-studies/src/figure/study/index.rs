@@ -1,9 +1,9 @@
 //! How a place becomes the index of a subelement: Andersen et al. 2016, equations 1 to 3, asked of the renderer's own functions.
 
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
-use super::super::made::Diagram;
+use super::super::content::Diagram;
 use super::super::probe::Probe;
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners};
 use crate::report::Table;
 use glam::Vec3;
@@ -27,26 +27,26 @@ struct Settings {
     prism: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
     if settings.levels.iter().chain([&settings.point_level]).any(|d| *d > 6) {
-        return Err(Error::fault(stage.folder.join("figure.toml"), "levels must be 0..=6"));
+        return Err(Error::fault(context.folder.join("figure.toml"), "levels must be 0..=6"));
     }
-    let mut made = Made::default();
-    made.diagrams.push(Diagram {
+    let mut content = FigureContent::default();
+    content.diagrams.push(Diagram {
         name: "layer".into(),
         caption: "Local indices of a layer's subelements after each subdivision, equation 2".into(),
         svg: layers(&settings.levels),
     });
-    made.diagrams.push(Diagram {
+    content.diagrams.push(Diagram {
         name: "point".into(),
         caption: "The three sub-indices of a point from its distances to the edges, equation 1".into(),
         svg: point(Vec3::from(settings.point), settings.point_level),
     });
-    check(&settings, &mut made);
-    let drawn = prism(stage, &settings, &mut made)?;
-    made.diagrams.push(drawn);
-    Ok(made)
+    check(&settings, &mut content);
+    let drawn = prism(context, &settings, &mut content)?;
+    content.diagrams.push(drawn);
+    Ok(content)
 }
 
 /// Corners of an upright triangle with its lower left corner at `at`, in the paper's order: p0 lower left, p1 lower right, p2 above.
@@ -160,7 +160,7 @@ fn point(l: Vec3, d: u32) -> String {
 }
 
 /// Holds the index to the geometry at random points: it is the number of the subelement that the point lies in.
-fn check(settings: &Settings, made: &mut Made) {
+fn check(settings: &Settings, content: &mut FigureContent) {
     let mut rows = Vec::new();
     for d in 0..=6u32 {
         let cells = cells(d);
@@ -181,12 +181,12 @@ fn check(settings: &Settings, made: &mut Made) {
         let known = (0..cells.len() as u32).filter(|id| subelement(subelement_centroid(*id, d), d) == *id);
         let known = known.count();
         rows.push(vec![d.to_string(), cells.len().to_string(), known.to_string(), format!("{right}")]);
-        made.value(&format!("d = {d}: points in the subelement of their index"), right as f64, 0.0);
-        made.value(&format!("d = {d}: indices that the middle of their subelement has"), known as f64, 0.0);
+        content.value(&format!("d = {d}: points in the subelement of their index"), right as f64, 0.0);
+        content.value(&format!("d = {d}: indices that the middle of their subelement has"), known as f64, 0.0);
     }
     let head = ["d", "subelements", "indices that come back from their middles"].map(String::from);
     let last = format!("of {} random points in the subelement of their index", settings.points);
-    made.table(&Table {
+    content.table(&Table {
         caption: "The index and the place that it stands for:".into(),
         head: head.into_iter().chain([last]).collect(),
         rows,
@@ -194,14 +194,14 @@ fn check(settings: &Settings, made: &mut Made) {
 }
 
 /// A prism of a real shell, its layers apart.
-fn prism(stage: &Stage, settings: &Settings, made: &mut Made) -> Result<Diagram> {
+fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureContent) -> Result<Diagram> {
     const GAP: f32 = 2.1;
-    let (world, _) = stage.load(&settings.scene, &[])?;
+    let (world, _) = context.load(&settings.scene, &[])?;
     if settings.prism as usize >= world.skin.triangles.len() {
         let words = format!("prism: the skin has {} triangles", world.skin.triangles.len());
-        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+        return Err(Error::fault(context.folder.join("figure.toml"), words));
     }
-    let probe = Probe::new(stage.gpu, &world, [16, 16], [0, 0], [16, 16])?;
+    let probe = Probe::new(context.gpu, &world, [16, 16], [0, 0], [16, 16])?;
     let place = probe.shell.enter(settings.prism);
     let (layers, d) = (probe.fur.layers, place.subdivision);
     let middle = Vec3::splat(1.0 / 3.0);
@@ -245,8 +245,8 @@ fn prism(stage: &Stage, settings: &Settings, made: &mut Made) -> Result<Diagram>
     let global = |layer: u32, id: u32| f64::from(place.volume_index(layer, id));
     // [Andersen2016] eq. 3 where all prisms have the same level.
     let wanted = f64::from(settings.prism * layers) * f64::from(1 << (2 * d));
-    made.value("first global index less that of equation 3", global(0, 0) - wanted, 0.0);
-    made.value("indices of a layer", global(1.min(layers - 1), 0) - global(0, 0), 0.0);
+    content.value("first global index less that of equation 3", global(0, 0) - wanted, 0.0);
+    content.value("indices of a layer", global(1.min(layers - 1), 0) - global(0, 0), 0.0);
     Ok(Diagram {
         name: "prism".into(),
         caption: format!(

@@ -1,8 +1,8 @@
 //! The neighbour table: keys of directed edges, the slots in which the GPU's hash table holds them, and what it finds.
 
 use super::super::drawing::{Anchor, Canvas, Point, css, number_color};
-use super::super::made::Diagram;
-use super::super::{Made, Stage};
+use super::super::content::Diagram;
+use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use pelage_core::mesh::topology::edge_key;
 use pelage_core::skin::NONE;
@@ -37,29 +37,29 @@ struct Entry {
     neighbour: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
     let count = settings.vertices.len() as u32;
     let fits = settings.triangles.iter().flatten().all(|v| *v < count);
     if !fits || settings.follow as usize >= settings.triangles.len() {
         let words = "triangles must name vertices that there are, and follow one of the triangles";
-        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+        return Err(Error::fault(context.folder.join("figure.toml"), words));
     }
-    let (entries, slots) = table(stage, &settings.triangles)?;
+    let (entries, slots) = table(context, &settings.triangles)?;
     let twin = edge_table::neighbours(&settings.triangles);
     let agree = entries.iter().filter(|e| twin[e.triangle][e.corner] == e.neighbour).count();
-    let mut made = Made::default();
-    made.value("directed edges", entries.len() as f64, 0.0);
-    made.value("slots", slots as f64, 0.0);
-    made.value("neighbours that GPU and CPU find alike", agree as f64, 0.0);
+    let mut content = FigureContent::default();
+    content.value("directed edges", entries.len() as f64, 0.0);
+    content.value("slots", slots as f64, 0.0);
+    content.value("neighbours that GPU and CPU find alike", agree as f64, 0.0);
     let inner = entries.iter().filter(|e| e.neighbour != NONE).count();
-    made.value("directed edges with a neighbour", inner as f64, 0.0);
-    made.diagrams.push(Diagram {
+    content.value("directed edges with a neighbour", inner as f64, 0.0);
+    content.diagrams.push(Diagram {
         name: "mesh".into(),
         caption: "The mesh: its directed edges counter-clockwise, and the look-ups of one triangle".into(),
         svg: mesh(&settings, &entries),
     });
-    made.diagrams.push(Diagram {
+    content.diagrams.push(Diagram {
         name: "table".into(),
         caption: "The hash table as the GPU filled it: 64-bit keys in their slots".into(),
         svg: slots_drawing(&entries, slots),
@@ -72,17 +72,17 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         let key = |a, b| format!("`{:08x} {:08x}`", edge_key(a, b) >> 32, edge_key(a, b) as u32);
         vec![format!("v{} to v{}", e.a, e.b), key(e.a, e.b), key(e.b, e.a), found]
     });
-    made.table(&Table {
+    content.table(&Table {
         caption: format!("What triangle f{} finds:", settings.follow),
         head: ["edge", "its key", "reversed key", "owner of the reversed key"].map(String::from).into(),
         rows: rows.collect(),
     });
-    Ok(made)
+    Ok(content)
 }
 
 /// Runs the renderer's pass on the triangles and reads its table.
-fn table(stage: &Stage, triangles: &[[u32; 3]]) -> Result<(Vec<Entry>, usize)> {
-    let gpu = stage.gpu;
+fn table(context: &FigureContext, triangles: &[[u32; 3]]) -> Result<(Vec<Entry>, usize)> {
+    let gpu = context.gpu;
     let edges = 3 * triangles.len();
     let inputs = [
         gpu.upload("triangles", 1, bytemuck::cast_slice::<[u32; 3], u32>(triangles))?,

@@ -1,6 +1,6 @@
 //! A skin, the direction of its hair, and the patches that cover it.
 
-use super::super::{Made, Shot, Stage};
+use super::super::{FigureContent, PanelImage, FigureContext};
 use crate::report::{Table, number};
 use pelage_core::Result;
 use pelage_shells::lapped;
@@ -18,37 +18,37 @@ struct Settings {
     paper_faces: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let [width, height] = stage.size();
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let [width, height] = context.size();
     let side = width.max(height);
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let mut rows = Vec::new();
     let mut fur = None;
     for (label, set) in [("whole faces", "false"), ("overlapping", "true")] {
         let set = [format!("lapped.overlapping={set}")];
-        let (world, assets) = stage.load(&settings.scene, &set)?;
+        let (world, assets) = context.load(&settings.scene, &set)?;
         let skin = &world.skin;
         let found = lapped::lap(skin, &world.scene)?;
-        if made.shots.is_empty() {
+        if content.shots.is_empty() {
             // Facets show the mesh below the strokes.
             let picture = lapped::field_picture(&found, &skin.clone().faceted(), side);
-            made.shots.push(Shot::drawn("mesh and directions", picture));
+            content.shots.push(PanelImage::drawn("mesh and directions", picture));
         }
         let picture = lapped::patch_picture(&found, skin, side);
-        made.shots.push(Shot::drawn(&format!("patches, {label}"), picture));
-        stage.tell(&format!("patches, {label}: {:.2} s", found.time_ms / 1e3))?;
-        if made.shots.len() == 2 {
-            fur = Some(stage.shoot("fur on the patches", &world, &assets)?);
+        content.shots.push(PanelImage::drawn(&format!("patches, {label}"), picture));
+        context.tell(&format!("patches, {label}: {:.2} s", found.time_ms / 1e3))?;
+        if content.shots.len() == 2 {
+            fur = Some(context.render_panel("fur on the patches", &world, &assets)?);
         }
         let statistics = found.statistics(skin)?;
         // Patches grow by comparisons of floats: another machine may end with a few more.
-        made.value(&format!("{label}: patches"), statistics.patches as f64, 5.0);
-        made.value(&format!("{label}: coverage"), statistics.coverage, 1e-6);
-        made.value(&format!("{label}: mean stretch"), statistics.mean_stretch, 0.01);
+        content.value(&format!("{label}: patches"), statistics.patches as f64, 5.0);
+        content.value(&format!("{label}: coverage"), statistics.coverage, 1e-6);
+        content.value(&format!("{label}: mean stretch"), statistics.mean_stretch, 0.01);
         rows.push(row(&format!("{label}, ours"), &statistics));
     }
-    made.shots.extend(fur);
+    content.shots.extend(fur);
     let mut paper = vec![
         "whole faces, paper's bunny".to_owned(),
         settings.paper_faces.to_string(),
@@ -58,8 +58,8 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     rows.insert(1, paper);
     let caption = "Patches. Stretch is a face's largest singular value or the inverse of its smallest, whichever is larger; layers is \
         the area of all patches over that of the skin.";
-    made.table(&Table { caption: caption.into(), head: HEAD.map(String::from).to_vec(), rows });
-    Ok(made)
+    content.table(&Table { caption: caption.into(), head: HEAD.map(String::from).to_vec(), rows });
+    Ok(content)
 }
 
 const HEAD: [&str; 7] =

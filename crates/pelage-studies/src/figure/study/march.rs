@@ -1,9 +1,9 @@
 //! The march of one ray, step by step: where it enters the shell, which subelements its steps read, and over which edges it hops.
 
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
-use super::super::made::Diagram;
+use super::super::content::Diagram;
 use super::super::probe::Probe;
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners, cut};
 use crate::report::Table;
 use glam::Vec3;
@@ -35,15 +35,15 @@ struct Found {
     hops: Vec<u32>,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, _) = stage.load(&settings.scene, &[])?;
-    let probe = Probe::new(stage.gpu, &world, settings.film, settings.pixel, [1, 1])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, _) = context.load(&settings.scene, &[])?;
+    let probe = Probe::new(context.gpu, &world, settings.film, settings.pixel, [1, 1])?;
     let ray = sample_ray(&probe.frame, [0, 0]);
     let entry = probe.lists()?[0].iter().find(|n| n.kind() == Kind::Entry).map(|n| (n.z, n.id()));
     let Some((z, prism)) = entry else {
         let words = "the ray of this pixel does not enter the shell";
-        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+        return Err(Error::fault(context.folder.join("figure.toml"), words));
     };
     let mut found = follow(&probe, ray, z, prism)?;
     // The last step may reach below the skin, where nothing is counted.
@@ -56,7 +56,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     if let Some(last) = found.last_mut() {
         last.at = Vec3::from(probe.frame.eye) + 0.5 * (last.step.z + last.step.z_end) * ray;
     }
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let opaque: f32 = found.iter().map(|f| f.step.sigma * (f.step.z_end - f.step.z)).sum();
     let mut subelements: Vec<_> = found.iter().map(|f| (f.step.place.prism, f.layer, f.id)).collect();
     let entered = 1 + subelements.windows(2).filter(|w| w[0] != w[1]).count();
@@ -73,32 +73,32 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ("subelements that are read", subelements.len()),
     ] {
         // A step near an edge may fall on its other side with other rounding.
-        made.value(name, value as f64, 1.0);
+        content.value(name, value as f64, 1.0);
     }
-    made.value("transmittance", f64::from((-opaque).exp()), 1e-3);
-    made.diagrams.push(Diagram {
+    content.value("transmittance", f64::from((-opaque).exp()), 1e-3);
+    content.diagrams.push(Diagram {
         name: "section".into(),
         caption: "A cut through the shell in the plane of the ray: subelements coloured by their global index, the march through them".into(),
         svg: section(&probe, ray, z, &found),
     });
-    made.diagrams.push(Diagram {
+    content.diagrams.push(Diagram {
         name: "prisms".into(),
         caption:
             "The same ray in space: the prisms that it hops through and the subelements that its steps read"
                 .into(),
         svg: space(&probe, ray, z, &found),
     });
-    made.table(&table(&found));
-    Ok(made)
+    content.table(&table(&found));
+    Ok(content)
 }
 
 /// Marches as the twin does, and asks once more on which way each place was found.
 fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>> {
-    let (scenery, shell) = (probe.scenery(), &probe.shell);
+    let (inputs, shell) = (probe.inputs(), &probe.shell);
     let phase = first_phase(&probe.frame, [0, 0]);
-    let (steps, lost) = steps(&scenery, ray, prism, z, phase);
+    let (steps, lost) = steps(&inputs, ray, prism, z, phase);
     if lost {
-        return Err(Error::Check("the march lost the ray".into()));
+        return Err(Error::Unsupported("the march lost the ray".into()));
     }
     let mut place = Place { t: 1.0, ..shell.enter(prism) };
     let length = probe.fur.step / ray.length();
@@ -113,7 +113,7 @@ fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>
             most_negative(place.lambda)
         });
         if located != Located::Inside || place.prism != step.place.prism {
-            return Err(Error::Check(format!("step {k} was found in another prism when asked again")));
+            return Err(Error::Unsupported(format!("step {k} was found in another prism when asked again")));
         }
         let layers = probe.fur.layers;
         let layer = ((step.place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);

@@ -1,6 +1,6 @@
 //! A camera that goes round the fur: an animated PNG, a few of its frames, and how much the picture flickers.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use glam::Vec3;
@@ -34,22 +34,22 @@ struct Settings {
     samples: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (mut world, assets) = stage.load(&settings.scene, &[])?;
-    let mut made = Made::default();
-    video(stage, &settings, &mut world, &assets, &mut made)?;
-    flicker(stage, &settings, world, &mut made)?;
-    Ok(made)
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (mut world, assets) = context.load(&settings.scene, &[])?;
+    let mut content = FigureContent::default();
+    video(context, &settings, &mut world, &assets, &mut content)?;
+    flicker(context, &settings, world, &mut content)?;
+    Ok(content)
 }
 
 /// Renders the orbit.
 fn video(
-    stage: &Stage,
+    context: &FigureContext,
     settings: &Settings,
     world: &mut World,
     assets: &Assets,
-    made: &mut Made,
+    content: &mut FigureContent,
 ) -> Result<()> {
     let scene = world.scene.clone();
     let frames = scene.animation.frames;
@@ -57,18 +57,18 @@ fn video(
     let mut pictures = Vec::new();
     for number in 1..=frames {
         world.scene.camera = animation::at(&scene, number).camera;
-        let shot = stage.shoot(&format!("frame {number}"), world, assets)?;
+        let shot = context.render_panel(&format!("frame {number}"), world, assets)?;
         pictures.push(codes(&shot.film, &shot.spec)?);
         if (number - 1) % every == 0 {
-            made.shots.push(shot);
+            content.shots.push(shot);
         }
     }
     world.scene = scene;
-    let [width, height] = stage.size();
+    let [width, height] = context.size();
     let bytes = animated(width, height, &pictures, world.scene.animation.fps)?;
-    files::write_atomically(&stage.out.join(FILE), |file| Ok(file.write_all(&bytes)?))?;
-    made.files.push((FILE.into(), format!("The orbit, {frames} frames (an animated PNG)")));
-    made.value("frames", f64::from(frames), 0.0);
+    files::write_atomically(&context.out.join(FILE), |file| Ok(file.write_all(&bytes)?))?;
+    content.files.push((FILE.into(), format!("The orbit, {frames} frames (an animated PNG)")));
+    content.value("frames", f64::from(frames), 0.0);
     Ok(())
 }
 
@@ -108,7 +108,7 @@ struct Way {
 }
 
 /// Measures the flicker of small steps of the camera.
-fn flicker(stage: &Stage, settings: &Settings, mut world: World, made: &mut Made) -> Result<()> {
+fn flicker(context: &FigureContext, settings: &Settings, mut world: World, content: &mut FigureContent) -> Result<()> {
     let spp = world.scene.film.spp;
     let way = |name: String, samples, seeds| Way { name, samples, seeds };
     let ways = [
@@ -147,7 +147,7 @@ fn flicker(stage: &Stage, settings: &Settings, mut world: World, made: &mut Made
             if way.seeds {
                 world.scene.render.seed = scene.render.seed.wrapping_add(k);
             }
-            let mut frame = stage.render(&world)?;
+            let mut frame = context.render(&world)?;
             depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
             seen.push(Seen::of(&frame.film, &world.scene.film)?);
             if let [.., a, b, c] = &seen[..] {
@@ -156,13 +156,13 @@ fn flicker(stage: &Stage, settings: &Settings, mut world: World, made: &mut Made
         }
         let mean = curve.points.iter().map(|p| p[1]).sum::<f64>() / curve.points.len() as f64;
         first = if first.is_nan() { mean } else { first };
-        stage.tell(&format!("flicker, {}: {mean:.3}", way.name))?;
+        context.tell(&format!("flicker, {}: {mean:.3}", way.name))?;
         table.rows.push(vec![way.name.clone(), format!("{mean:.3}"), format!("{:.2}", mean / first)]);
-        made.value(&format!("flicker, {}", way.name), mean, 0.05 * mean);
+        content.value(&format!("flicker, {}", way.name), mean, 0.05 * mean);
         plot.curves.push(curve);
     }
-    made.table(&table);
-    made.plots.push(("flicker".into(), plot));
+    content.table(&table);
+    content.plots.push(("flicker".into(), plot));
     Ok(())
 }
 

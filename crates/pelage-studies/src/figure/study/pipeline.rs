@@ -2,7 +2,7 @@
 
 use super::super::drawing::{magma, number_color, pixel};
 use super::super::probe::Probe;
-use super::super::{Made, Shot, Stage};
+use super::super::{FigureContent, PanelImage, FigureContext};
 use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::film::Film;
@@ -29,15 +29,15 @@ struct Settings {
 /// What is behind where there is nothing, sRGB-coded.
 const NOTHING: Vec3 = Vec3::splat(0.86);
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, assets) = stage.load(&settings.scene, &[])?;
-    let size = stage.size();
-    let probe = Probe::new(stage.gpu, &world, size, [0, 0], size)?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, assets) = context.load(&settings.scene, &[])?;
+    let size = context.size();
+    let probe = Probe::new(context.gpu, &world, size, [0, 0], size)?;
     let entries = probe.lists()?;
     let places = places(&probe)?;
-    let mut made = Made::default();
-    let mut strips = Strips { size, made: &mut made };
+    let mut content = FigureContent::default();
+    let mut strips = Strips { size, content: &mut content };
 
     // Step 1
     strips.show(&format!("1 prisms, 1/{} roots", settings.each), roots(&probe, &places, settings.each)?);
@@ -47,17 +47,17 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         move |i: usize| places[i].map(|place| Place { t, ..place })
     };
     let high = at(settings.height);
-    let scenery = probe.scenery();
-    let density = |i: usize| high(i).map(|place| scenery.undercoat.at(&place).density);
+    let inputs = probe.inputs();
+    let density = |i: usize| high(i).map(|place| inputs.undercoat.at(&place).density);
     strips.map("2 density", density);
     let tangent = |i: usize| {
         let place = high(i)?;
-        Some(0.5 + 0.5 * scenery.undercoat.at(&place).tangent)
+        Some(0.5 + 0.5 * inputs.undercoat.at(&place).tangent)
     };
     let shown =
         |f: &dyn Fn(usize) -> Option<Vec3>| (0..probe.samples()).map(|i| f(i).unwrap_or(NOTHING)).collect();
     strips.show("2 tangents", shown(&tangent));
-    let light = |i: usize| high(i).map(|place| (-look_up(&scenery, &place).tau[0]).exp());
+    let light = |i: usize| high(i).map(|place| (-look_up(&inputs, &place).tau[0]).exp());
     strips.map("2 key light", light);
     // Step 3
     let hairs = hairs(&probe, settings.each)?;
@@ -107,16 +107,16 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ("mean density at the height", (mean(&dense), 0.01)),
         ("mean part of the key light at the height", (mean(&lit), 0.01)),
     ] {
-        made.value(name, value, tolerance);
+        content.value(name, value, tolerance);
     }
-    made.shots.push(stage.shoot("7 picture, filtered", &world, &assets)?);
-    Ok(made)
+    content.shots.push(context.render_panel("7 picture, filtered", &world, &assets)?);
+    Ok(content)
 }
 
 /// Pictures of one size, each with its key under it.
 struct Strips<'a> {
     size: [u32; 2],
-    made: &'a mut Made,
+    made: &'a mut FigureContent,
 }
 
 impl Strips<'_> {
@@ -127,7 +127,7 @@ impl Strips<'_> {
     fn show(&mut self, label: &str, colors: Vec<Vec3>) {
         let [w, h] = self.size;
         let pixels: Vec<[f32; 4]> = colors.into_iter().map(pixel).collect();
-        self.made.shots.push(Shot::drawn(label, Film::from_premultiplied(w, h, &pixels)));
+        self.content.shots.push(PanelImage::drawn(label, Film::from_premultiplied(w, h, &pixels)));
     }
 
     /// Values in the magma colour map, from the smallest to the 99th percentile; the label tells the range, and the key lies over the

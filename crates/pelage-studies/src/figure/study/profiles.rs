@@ -1,18 +1,18 @@
 //! How much hair the layers of each panel's textures hold at each height.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::report::plot::{Curve, Plot};
 use crate::report::{Table, number};
 use pelage_core::Result;
 use pelage_shells::bake;
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let mut made = Made::default();
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let mut content = FigureContent::default();
     let mut curves = Vec::new();
     let mut rows = Vec::new();
-    for panel in &stage.figure.panels {
+    for panel in &context.figure.panels {
         let Some(scene) = &panel.scene else { continue };
-        let (world, _) = stage.load(scene, &panel.set)?;
+        let (world, _) = context.load(scene, &panel.set)?;
         let manifest = bake::bake(&world)?.manifest;
         let depths: Vec<f64> = manifest.summary.iter().map(|l| f64::from(l.optical_depth)).collect();
         let innermost = depths.first().copied().unwrap_or_default().max(1e-9);
@@ -23,9 +23,9 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         let [quarter, half] = [0.25, 0.5].map(|h: f64| part((h * last).round() as usize));
         let all = depths.iter().sum::<f64>() / innermost / depths.len().max(1) as f64;
         rows.push(vec![panel.label.clone(), number(quarter), number(half), number(all)]);
-        made.value(&format!("{}: left at half of the height", panel.label), half, 0.002);
+        content.value(&format!("{}: left at half of the height", panel.label), half, 0.002);
     }
-    made.plots.push((
+    content.plots.push((
         "profiles".into(),
         Plot {
             caption: "Hair in each layer, by that of the innermost".into(),
@@ -36,6 +36,6 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         },
     ));
     let head = ["profile", "left at a quarter", "left at half", "mean over the height"];
-    made.table(&Table { caption: String::new(), head: head.map(String::from).to_vec(), rows });
-    Ok(made)
+    content.table(&Table { caption: String::new(), head: head.map(String::from).to_vec(), rows });
+    Ok(content)
 }

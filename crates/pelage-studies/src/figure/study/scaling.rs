@@ -1,6 +1,6 @@
 //! How the time of a rendering grows with pixels, samples, guard hairs, triangles and subelements of the undercoat.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::bench::Column;
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
@@ -37,10 +37,10 @@ struct Sweep {
     worlds: Vec<World>,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, _) = stage.load(&settings.scene, &[])?;
-    let mut made = Made::default();
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, _) = context.load(&settings.scene, &[])?;
+    let mut content = FigureContent::default();
     let mut table = Table {
         caption: "Exponents: a time grows as the quantity to this power, by least squares over the logarithms. Before the first ray: steps 1 to 3; with \
                   the camera: steps 4 to 7."
@@ -51,24 +51,24 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     for sweep in sweeps(&settings, &world) {
         let mut columns = Vec::new();
         for world in &sweep.worlds {
-            let column = match Column::measure(stage.gpu, world, sweep.name, settings.runs) {
+            let column = match Column::measure(context.gpu, world, sweep.name, settings.runs) {
                 Err(e @ Error::OutOfMemory { .. }) => {
-                    made.text += &format!("Left out of the {}: {e}.\n\n", sweep.name);
+                    content.text += &format!("Left out of the {}: {e}.\n\n", sweep.name);
                     continue;
                 }
                 measured => measured?,
             };
             let ms = column.total_ms.map_or(column.wall_ms.min, |t| t.min);
-            stage.tell(&format!("{} {}: {:.2} s", sweep.name, (sweep.amount)(&column), ms / 1e3))?;
+            context.tell(&format!("{} {}: {:.2} s", sweep.name, (sweep.amount)(&column), ms / 1e3))?;
             columns.push(column);
         }
-        present(&sweep, &columns, &mut table, &mut made);
+        present(&sweep, &columns, &mut table, &mut content);
     }
-    made.table(&table);
-    Ok(made)
+    content.table(&table);
+    Ok(content)
 }
 
-fn present(sweep: &Sweep, columns: &[Column], table: &mut Table, made: &mut Made) {
+fn present(sweep: &Sweep, columns: &[Column], table: &mut Table, content: &mut FigureContent) {
     type Time = fn(&Column) -> Option<f64>;
     let times: [(&str, Time); 3] = [
         ("before the first ray (steps 1 to 3)", |c| c.preprocessing_ms.map(|t| t.min)),
@@ -99,9 +99,9 @@ fn present(sweep: &Sweep, columns: &[Column], table: &mut Table, made: &mut Made
     row.push(show(exponent(&fragments)));
     table.rows.push(row);
     if let Some(exponent) = exponent(&fragments) {
-        made.value(&format!("fragments by {}, exponent", sweep.name), exponent, 0.03);
+        content.value(&format!("fragments by {}, exponent", sweep.name), exponent, 0.03);
     }
-    made.plots.push((format!("by {}", sweep.name), plot));
+    content.plots.push((format!("by {}", sweep.name), plot));
 }
 
 /// Slope of the logarithms by least squares; `None` where there are not two different points that have logarithms.

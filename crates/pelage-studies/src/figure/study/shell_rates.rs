@@ -1,6 +1,6 @@
 //! Frames a second of shells and fins, beside those that a paper printed.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::bench::shells::Row;
 use crate::report::Table;
 use pelage_core::{Error, Result};
@@ -42,8 +42,8 @@ struct Paper {
     fps: [f64; 2],
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
     let [width, height] = settings.size;
     let set = [
         format!("film.width={width}"),
@@ -51,21 +51,21 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         "film.spp=1".to_owned(),
         "render.fur=shells".to_owned(),
     ];
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let mut rows = Vec::new();
     for model in &settings.models {
-        let (world, _) = stage.load(&model.scene, &set)?;
+        let (world, _) = context.load(&model.scene, &set)?;
         let patches = lapped::lap(&world.skin, &world.scene)?.patches.len();
-        let all = Row::measure(stage.gpu, &world, &model.name, settings.runs)?;
+        let all = Row::measure(context.gpu, &world, &model.name, settings.runs)?;
         let half = all.with_layers(&world, (all.shells / 2).max(1));
-        let half = Row::measure(stage.gpu, &half, &model.name, settings.runs)?;
+        let half = Row::measure(context.gpu, &half, &model.name, settings.runs)?;
         if half.shells * 2 != all.shells {
-            return Err(Error::Check(format!(
+            return Err(Error::Unsupported(format!(
                 "{}: {} shells are not half of {}",
                 model.name, half.shells, all.shells
             )));
         }
-        stage.tell(&format!(
+        context.tell(&format!(
             "{}: {:.1} and {:.1} frames a second",
             model.name, half.fps.median, all.fps.median
         ))?;
@@ -90,9 +90,9 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             format!("{}", p.fps[1]),
             format!("{:.2}", p.fps[0] / p.fps[1]),
         ]);
-        made.value(&format!("{}: faces", model.name), f64::from(all.triangles), 0.0);
-        made.value(&format!("{}: edges", model.name), edges(&world.skin).len() as f64, 0.0);
-        made.value(&format!("{}: patches", model.name), patches as f64, 5.0);
+        content.value(&format!("{}: faces", model.name), f64::from(all.triangles), 0.0);
+        content.value(&format!("{}: edges", model.name), edges(&world.skin).len() as f64, 0.0);
+        content.value(&format!("{}: patches", model.name), patches as f64, 5.0);
     }
     let head = [
         "model",
@@ -104,7 +104,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         "all layers, frames/s",
         "half by all",
     ];
-    made.table(&Table {
+    content.table(&Table {
         caption: format!(
             "Median of {} frames of {width} x {height} pixels here; the paper does not say how large its pictures are.",
             settings.runs
@@ -112,5 +112,5 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         head: head.map(String::from).to_vec(),
         rows,
     });
-    Ok(made)
+    Ok(content)
 }

@@ -1,7 +1,7 @@
 //! Where fins stand: edges at the silhouette and near it, found as the rasteriser finds them, and what they are extruded to; and shells
 //! offset from a mesh.
 
-use super::super::{Made, Shot, Stage};
+use super::super::{FigureContent, PanelImage, FigureContext};
 use super::canvas::{Canvas, shade};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -40,9 +40,9 @@ struct ShellSettings {
 }
 
 /// Edges at the silhouette, and their fins.
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, _) = stage.load(&settings.scene, &[])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, _) = context.load(&settings.scene, &[])?;
     let textures = bake::bake(&world)?;
     let threshold = world.scene.shells.fin_threshold;
     let eye = Vec3::from(world.scene.camera.eye);
@@ -55,14 +55,14 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     // No cosine is below zero: what is left is on the silhouette.
     let (on, near) = (within(0.0), within(threshold));
 
-    let mut made = Made::default();
-    let mut canvas = Canvas::new(&world.scene.camera, stage.size());
+    let mut content = FigureContent::default();
+    let mut canvas = Canvas::new(&world.scene.camera, context.size());
     mesh(&mut canvas, &world, 0.5);
     strokes(&mut canvas, &world, &near, YELLOW);
     strokes(&mut canvas, &world, &on, ORANGE);
-    made.shots.push(Shot::drawn("silhouette edges", canvas.film()));
+    content.shots.push(PanelImage::drawn("silhouette edges", canvas.film()));
 
-    let mut canvas = Canvas::new(&world.scene.camera, stage.size());
+    let mut canvas = Canvas::new(&world.scene.camera, context.size());
     mesh(&mut canvas, &world, 0.5);
     for edge in &near {
         fin(&mut canvas, &world, &textures, edge, None);
@@ -70,23 +70,23 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
     for edge in &on {
         fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
     }
-    made.shots.push(Shot::drawn("extruded to fins", canvas.film()));
-    made.value("edges", all.len() as f64, 0.0);
-    made.value("edges on the silhouette", on.len() as f64, 2.0);
-    made.value("edges with fins", near.len() as f64, 2.0);
-    made.text = format!(
+    content.shots.push(PanelImage::drawn("extruded to fins", canvas.film()));
+    content.value("edges", all.len() as f64, 0.0);
+    content.value("edges on the silhouette", on.len() as f64, 2.0);
+    content.value("edges with fins", near.len() as f64, 2.0);
+    content.text = format!(
         "{} edges; {} lie on the silhouette, {} on it or with a face whose normal is within a cosine of {threshold} of square to the view.\n",
         all.len(),
         on.len(),
         near.len()
     );
-    Ok(made)
+    Ok(content)
 }
 
 /// A mesh, shells offset from it, and one fin.
-pub(super) fn shells(stage: &Stage) -> Result<Made> {
-    let settings: ShellSettings = stage.settings()?;
-    let (world, _) = stage.load(&settings.scene, &[])?;
+pub(super) fn shells(context: &FigureContext) -> Result<FigureContent> {
+    let settings: ShellSettings = context.settings()?;
+    let (world, _) = context.load(&settings.scene, &[])?;
     let textures = bake::bake(&world)?;
     let skin = &world.skin;
     let height = textures.manifest.height;
@@ -97,12 +97,12 @@ pub(super) fn shells(stage: &Stage) -> Result<Made> {
     let edge = all
         .iter()
         .min_by(|a, b| to(a).total_cmp(&to(b)))
-        .ok_or_else(|| Error::Check("the skin has no edges".into()))?;
-    let mut made = Made::default();
+        .ok_or_else(|| Error::Unsupported("the skin has no edges".into()))?;
+    let mut content = FigureContent::default();
     for (label, shells, with_fin) in
         [("mesh", 0, false), ("offset shells", settings.shells, false), ("extruded fin", 0, true)]
     {
-        let mut canvas = Canvas::new(&world.scene.camera, stage.size());
+        let mut canvas = Canvas::new(&world.scene.camera, context.size());
         mesh(&mut canvas, &world, 1.2);
         if with_fin {
             fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
@@ -118,11 +118,11 @@ pub(super) fn shells(stage: &Stage) -> Result<Made> {
                 canvas.line([at(e.a, h), at(e.b, h)], BLUE.lerp(Vec3::ONE, pale), width, 0.0);
             }
         }
-        made.shots.push(Shot::drawn(label, canvas.film()));
+        content.shots.push(PanelImage::drawn(label, canvas.film()));
     }
-    made.value("triangles", skin.triangles.len() as f64, 0.0);
-    made.value("edges", all.len() as f64, 0.0);
-    Ok(made)
+    content.value("triangles", skin.triangles.len() as f64, 0.0);
+    content.value("edges", all.len() as f64, 0.0);
+    Ok(content)
 }
 
 fn vertices(world: &World) -> Vec<ShellVertex> {

@@ -1,12 +1,12 @@
 //! Time and memory against the number of guard hairs, and how many hairs the time of the undercoat would buy.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::bench::sweep::Sweep;
 use crate::bench::{Times, paper, repeat};
 use crate::report::plot::{Curve, Plot};
 use crate::report::{Table, number};
 use pelage_core::Result;
-use pelage_core::scene::Fur;
+use pelage_core::scene::FurLayers;
 use pelage_core::stats::Stats;
 use pelage_render::FRAGMENT_BYTES;
 use serde::Deserialize;
@@ -21,21 +21,21 @@ struct Settings {
     undercoat: f64,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (mut world, _) = stage.load(&settings.scene, &[])?;
-    world.scene.render.fur = Fur::Explicit;
-    let table = Sweep::Strands.measure(stage.gpu, &world, "pelt", settings.runs)?;
-    world.scene.render.fur = Fur::Implicit;
-    let coat = repeat(stage.gpu, &world, settings.runs)?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (mut world, _) = context.load(&settings.scene, &[])?;
+    world.scene.render.fur = FurLayers::Explicit;
+    let table = Sweep::Strands.measure(context.gpu, &world, "pelt", settings.runs)?;
+    world.scene.render.fur = FurLayers::Implicit;
+    let coat = repeat(context.gpu, &world, settings.runs)?;
     let march = Times::of(coat.iter().map(|s| time(s, &[4, 7]))).map_or(f64::NAN, |t| t.min);
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let mut measured = Vec::new();
     for row in &table.rows {
         let Some(stats) = &row.stats else { continue };
-        made.value(&format!("{}: guard hairs", row.label), stats.strands as f64, 0.0);
+        content.value(&format!("{}: guard hairs", row.label), stats.strands as f64, 0.0);
         let fragments = stats.fragments as f64;
-        made.value(&format!("{}: fragments", row.label), fragments, 0.01 * fragments);
+        content.value(&format!("{}: fragments", row.label), fragments, 0.01 * fragments);
         measured.push((row.label.clone(), stats.clone(), row.ms.map_or(f64::NAN, |t| t.min)));
     }
     let strands = |s: &Stats| s.strands as f64;
@@ -48,7 +48,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         vec![[at(0), y], [at(measured.len().saturating_sub(1)), y]]
     };
     let ms = |step: u32| move |s: &Stats| time(s, &[step]).unwrap_or(f64::NAN);
-    made.plots.push((
+    content.plots.push((
         "time".into(),
         Plot {
             caption: "Time of the steps against the number of guard hairs, no undercoat".into(),
@@ -67,7 +67,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             ],
         },
     ));
-    made.plots.push((
+    content.plots.push((
         "memory".into(),
         Plot {
             caption: "Memory of hairs and fragments".into(),
@@ -83,7 +83,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             ],
         },
     ));
-    made.table(&Table {
+    content.table(&Table {
         caption: "Guard hairs alone:".into(),
         head: [
             "",
@@ -111,8 +111,8 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             })
             .collect(),
     });
-    made.table(&exchange(&settings, &measured, march));
-    Ok(made)
+    content.table(&exchange(&settings, &measured, march));
+    Ok(content)
 }
 
 /// How many hairs cost as much as the volume: the paper's comparison.

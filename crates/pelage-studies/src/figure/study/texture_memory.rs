@@ -1,6 +1,6 @@
 //! What hair textures take in memory, raw, compressed and as a single layer, and what fur looks like with each.
 
-use super::super::{Made, Stage};
+use super::super::{FigureContent, FigureContext};
 use crate::report::{Table, number};
 use glam::Vec4;
 use pelage_core::{Error, Result};
@@ -16,11 +16,11 @@ struct Settings {
     scene: String,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (world, assets) = stage.load(&settings.scene, &[])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (world, assets) = context.load(&settings.scene, &[])?;
     let textures = bake::bake(&world)?;
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let m = &textures.manifest;
     let rows = memory::table(m.layers, m.resolution, m.fin_resolution);
     let whole = rows.first().map_or(1, |row| row.bytes_with_mips) as f64;
@@ -34,7 +34,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         ]
     };
     let head = ["textures", "bytes, finest level", "bytes with mips", "of the first", "paper"];
-    made.table(&Table {
+    content.table(&Table {
         caption: format!(
             "{} layers of {} x {} texels, a fin of {} x {}.",
             m.layers, m.resolution[0], m.resolution[1], m.fin_resolution[0], m.fin_resolution[1]
@@ -43,7 +43,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         rows: rows.iter().map(cells).collect(),
     });
     for row in &rows {
-        made.value(&row.what, row.bytes_with_mips as f64, 0.0);
+        content.value(&row.what, row.bytes_with_mips as f64, 0.0);
     }
 
     let mut rows = Vec::new();
@@ -57,14 +57,14 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
         let (stored, psnr) = if ramp {
             (one_layer(&textures), None)
         } else {
-            coded(&textures, encoding).map_err(Error::Check)?
+            coded(&textures, encoding).map_err(Error::Unsupported)?
         };
         let mut world = world.clone();
-        let folder = stage.out.join(format!("textures_{}", made.shots.len()));
+        let folder = context.out.join(format!("textures_{}", content.shots.len()));
         let options = WriteOptions { formats: vec![Format::Exr], ..WriteOptions::default() };
         bake::write(&stored, &folder, &options)?;
         world.textures = Some(folder.join(bake::MANIFEST));
-        made.shots.push(stage.shoot(label, &world, &assets)?);
+        content.shots.push(context.render_panel(label, &world, &assets)?);
         std::fs::remove_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
         let change = 100.0 * (coverage(&stored) / coverage(&textures) - 1.0);
         let psnr = psnr.map_or_else(
@@ -72,13 +72,13 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             |db| if db.is_finite() { format!("{db:.1}") } else { "lossless".into() },
         );
         rows.push(vec![label.to_owned(), psnr, format!("{change:+.2} %")]);
-        made.value(&format!("{label}: mean coverage of the layers"), coverage(&stored), 1e-3);
+        content.value(&format!("{label}: mean coverage of the layers"), coverage(&stored), 1e-3);
     }
     let head = ["stored as", "PSNR, dB", "mean coverage of the layers, change"].map(String::from).to_vec();
     let caption =
         format!("What storing does to the hair; mean coverage is {} as baked.", number(coverage(&textures)));
-    made.table(&Table { caption, head, rows });
-    Ok(made)
+    content.table(&Table { caption, head, rows });
+    Ok(content)
 }
 
 /// Textures as they come out of blocks or bytes, and the layers' peak signal-to-noise ratio against bytes.

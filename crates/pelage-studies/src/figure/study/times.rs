@@ -1,6 +1,6 @@
 //! Times and memory of the steps beside those of the paper's Table 1, as `pelage bench` measures them.
 
-use super::{Made, Stage};
+use super::{FigureContent, FigureContext};
 use crate::bench;
 use pelage_core::Result;
 use serde::Deserialize;
@@ -16,23 +16,23 @@ struct Settings {
     runs: u32,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
     let options = bench::Options {
-        scenes: settings.scenes.iter().map(|scene| stage.folder.join(scene)).collect(),
+        scenes: settings.scenes.iter().map(|scene| context.folder.join(scene)).collect(),
         sizes: settings.sizes,
         runs: settings.runs,
         ..bench::Options::default()
     };
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let report = bench::measure(&options, &mut |part| {
-        made.text += part;
-        stage.tell(part.lines().find(|line| !line.is_empty()).unwrap_or_default())
+        content.text += part;
+        context.tell(part.lines().find(|line| !line.is_empty()).unwrap_or_default())
     })?;
     for column in &report.table {
         let of = |what: &str| format!("{}, {what}", column.scene);
-        made.value(&of("guard hairs"), column.stats.strands as f64, 0.0);
-        made.value(&of("memory in all, bytes"), column.total_bytes as f64, 0.05 * column.total_bytes as f64);
+        content.value(&of("guard hairs"), column.stats.strands as f64, 0.0);
+        content.value(&of("memory in all, bytes"), column.total_bytes as f64, 0.05 * column.total_bytes as f64);
     }
-    Ok(made)
+    Ok(content)
 }

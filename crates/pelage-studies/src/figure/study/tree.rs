@@ -1,7 +1,7 @@
 //! The march against finding subelements through a tree of boxes, as the paper compares its march with a binary space partition.
 
-use super::super::Stage;
-use super::super::made::Made;
+use super::super::FigureContext;
+use super::super::content::FigureContent;
 use super::super::probe::Probe;
 use super::boxes::{Piece, Start, Tree};
 use crate::bench::{Times, repeat};
@@ -14,7 +14,7 @@ use pelage_fur::undercoat::extinction;
 use pelage_fur::view::sample_ray;
 use pelage_pathtrace::bvh::Stack;
 use pelage_render::twin::resolve::Kind;
-use pelage_render::twin::undercoat_march::{Scenery, first_phase, source_radiance, steps};
+use pelage_render::twin::undercoat_march::{MarchInputs, first_phase, source_radiance, steps};
 use serde::Deserialize;
 use std::time::Instant;
 
@@ -45,39 +45,39 @@ struct Outcome {
     micros: f64,
 }
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let (mut world, _) = stage.load(&settings.scene, &[])?;
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let (mut world, _) = context.load(&settings.scene, &[])?;
     world.skin = patch(&world.skin, Vec3::from(world.scene.camera.target), settings.patch);
     if world.skin.triangles.is_empty() || settings.deepest > 6 {
         let words = "the patch holds no triangle, or deepest is more than 6";
-        return Err(Error::fault(stage.folder.join("figure.toml"), words));
+        return Err(Error::fault(context.folder.join("figure.toml"), words));
     }
-    let mut made = Made::default();
+    let mut content = FigureContent::default();
     let mut levels = Vec::new();
     for d in 0..=settings.deepest {
-        let level = Level::measure(stage, &settings, &mut world, d)?;
-        stage.tell(&format!("d = {d}: {} subelements", level.subelements))?;
+        let level = Level::measure(context, &settings, &mut world, d)?;
+        context.tell(&format!("d = {d}: {} subelements", level.subelements))?;
         levels.push(level);
     }
     for l in &levels {
         let name = |what: &str| format!("d = {}: {what}", l.d);
         let depth = mean_depth(l);
-        made.value(&name("mean optical depth, march"), depth, 0.01 * depth);
+        content.value(&name("mean optical depth, march"), depth, 0.01 * depth);
         let [relative, _] = rms(l, &l.points);
-        made.value(&name("tree at each step: RMS relative difference of it"), relative, 0.003);
+        content.value(&name("tree at each step: RMS relative difference of it"), relative, 0.003);
         let [relative, transmittance] = rms(l, &l.rays);
-        made.value(&name("tree met by rays: RMS relative difference of it"), relative, 0.005);
-        made.value(&name("tree met by rays: RMS difference of transmittance"), transmittance, 1e-4);
-        made.value(&name("subelements a ray meets"), l.rays.pieces as f64 / l.count as f64, 0.5);
-        made.value(&name("bytes of the tree"), l.tree_bytes as f64, 0.02 * l.tree_bytes as f64);
+        content.value(&name("tree met by rays: RMS relative difference of it"), relative, 0.005);
+        content.value(&name("tree met by rays: RMS difference of transmittance"), transmittance, 1e-4);
+        content.value(&name("subelements a ray meets"), l.rays.pieces as f64 / l.count as f64, 0.5);
+        content.value(&name("bytes of the tree"), l.tree_bytes as f64, 0.02 * l.tree_bytes as f64);
     }
     let curve = |name: &str, y: &dyn Fn(&Level) -> f64| Curve {
         name: name.into(),
         points: levels.iter().map(|l| [f64::from(l.d), y(l)]).collect(),
     };
     let first = levels[0].march.micros;
-    made.plots.push((
+    content.plots.push((
         "time".into(),
         Plot {
             caption: format!("Time of a ray, {} rays, one thread on the CPU", levels[0].count),
@@ -95,7 +95,7 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             ],
         },
     ));
-    made.plots.push((
+    content.plots.push((
         "memory".into(),
         Plot {
             caption: format!(
@@ -114,8 +114,8 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             ],
         },
     ));
-    made.table(&table(&levels));
-    Ok(made)
+    content.table(&table(&levels));
+    Ok(content)
 }
 
 /// Optical depths of march and other way, and their transmittances.
@@ -184,21 +184,21 @@ struct Level {
 }
 
 impl Level {
-    fn measure(stage: &Stage, settings: &Settings, world: &mut World, d: u32) -> Result<Self> {
+    fn measure(context: &FigureContext, settings: &Settings, world: &mut World, d: u32) -> Result<Self> {
         world.scene.undercoat.subdivision = Some(d);
         let film = [world.scene.film.width, world.scene.film.height];
         let (starts, level) = {
-            let probe = Probe::new(stage.gpu, world, film, [0, 0], film)?;
+            let probe = Probe::new(context.gpu, world, film, [0, 0], film)?;
             let starts = starts(&probe, settings.rays)?;
             if starts.0.is_empty() {
                 let words = "no ray enters the patch from above and ends on its skin";
-                return Err(Error::fault(stage.folder.join("figure.toml"), words));
+                return Err(Error::fault(context.folder.join("figure.toml"), words));
             }
             let level = Self::on_the_cpu(&probe, settings, d, &starts.0);
             (starts, level)
         };
         // The kernel that marches, alone: with undercoat only, resolving is marching.
-        let runs = repeat(stage.gpu, world, settings.renderings)?;
+        let runs = repeat(context.gpu, world, settings.renderings)?;
         let times = Times::of(runs.iter().map(|stats| {
             stats.passes.iter().filter(|p| p.pass.starts_with("resolve")).map(|p| p.ms).sum::<Option<f64>>()
         }));
@@ -207,9 +207,9 @@ impl Level {
     }
 
     fn on_the_cpu(probe: &Probe<'_>, settings: &Settings, d: u32, starts: &[Start]) -> Self {
-        let scenery = probe.scenery();
-        let march = run(&scenery, starts, settings.runs, &mut |start, pieces| {
-            for s in steps(&scenery, start.ray, start.prism, start.z, start.phase).0 {
+        let inputs = probe.inputs();
+        let march = run(&inputs, starts, settings.runs, &mut |start, pieces| {
+            for s in steps(&inputs, start.ray, start.prism, start.z, start.phase).0 {
                 pieces.push(Piece {
                     from: s.z,
                     to: s.z_end,
@@ -221,10 +221,10 @@ impl Level {
         // The same places once more, without the work of finding them.
         let known: Vec<Vec<Place>> = starts
             .iter()
-            .map(|s| steps(&scenery, s.ray, s.prism, s.z, s.phase).0.iter().map(|s| s.place).collect())
+            .map(|s| steps(&inputs, s.ray, s.prism, s.z, s.phase).0.iter().map(|s| s.place).collect())
             .collect();
         let mut next = 0;
-        let shading = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+        let shading = run(&inputs, starts, settings.runs, &mut |start, pieces| {
             let z = start.z;
             pieces.extend(known[next % known.len()].iter().map(|p| Piece {
                 from: z,
@@ -239,11 +239,11 @@ impl Level {
         let build_ms = begin.elapsed().as_secs_f64() * 1e3;
         let mut stack = Stack::new();
         let eye = Vec3::from(probe.frame.eye);
-        let points = run(&scenery, starts, settings.runs, &mut |start, pieces| {
-            tree.ask_at_steps(&scenery, eye, start, &mut stack, pieces);
+        let points = run(&inputs, starts, settings.runs, &mut |start, pieces| {
+            tree.ask_at_steps(&inputs, eye, start, &mut stack, pieces);
         });
         let mut stack = Stack::new();
-        let rays = run(&scenery, starts, settings.runs, &mut |start, pieces| {
+        let rays = run(&inputs, starts, settings.runs, &mut |start, pieces| {
             tree.meet(eye, start, &mut stack, pieces);
         });
         Self {
@@ -298,7 +298,7 @@ fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
 
 /// Runs one way over all rays: it finds the pieces, which are then shaded alike.
 fn run(
-    scenery: &Scenery<'_>,
+    inputs: &MarchInputs<'_>,
     starts: &[Start],
     runs: u32,
     find: &mut dyn FnMut(&Start, &mut Vec<Piece>),
@@ -319,9 +319,9 @@ fn run(
             let mut light = Vec3::ZERO;
             for piece in &pieces {
                 let (sigma, radiance) = piece.shaded.unwrap_or_else(|| {
-                    let medium = scenery.undercoat.at(&piece.place);
-                    let (radiance, density) = source_radiance(scenery, &piece.place, medium, view);
-                    (extinction(scenery.undercoat.fur, medium, view) * density * speed, radiance)
+                    let medium = inputs.undercoat.at(&piece.place);
+                    let (radiance, density) = source_radiance(inputs, &piece.place, medium, view);
+                    (extinction(inputs.undercoat.fur, medium, view) * density * speed, radiance)
                 });
                 opaque += sigma * (piece.to.min(start.z_base) - piece.from).max(0.0);
                 light += radiance * sigma;

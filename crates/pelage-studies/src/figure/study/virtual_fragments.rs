@@ -1,7 +1,7 @@
 //! What virtual fragments cost and what they gain: error, time and memory against their number.
 
-use super::super::Stage;
-use super::super::made::Made;
+use super::super::FigureContext;
+use super::super::content::FigureContent;
 use crate::compare::{Comparison, compare};
 use crate::report::plot::{Curve, Plot};
 use crate::report::{Table, number};
@@ -32,27 +32,27 @@ struct Row {
 const PAPER: [(f64, f64); 2] = [(1.0, 0.2e9), (30.0, 7.8e9)];
 const PAPER_PIXELS: f64 = 3840.0 * 2274.0;
 
-pub(super) fn make(stage: &Stage) -> Result<Made> {
-    let settings: Settings = stage.settings()?;
-    let mut made = Made::default();
-    let shoot = |label: &str, set: &[String]| {
-        let (world, assets) = stage.load(&settings.scene, set)?;
-        stage.gpu.ledger.reset_peaks();
-        stage.shoot(label, &world, &assets)
+pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
+    let settings: Settings = context.settings()?;
+    let mut content = FigureContent::default();
+    let render_panel = |label: &str, set: &[String]| {
+        let (world, assets) = context.load(&settings.scene, set)?;
+        context.gpu.ledger.reset_peaks();
+        context.render_panel(label, &world, &assets)
     };
-    let exact = shoot("exact", &["render.blend=exact".into()])?;
+    let exact = render_panel("exact", &["render.blend=exact".into()])?;
     let mut rows = Vec::new();
-    let simplified = shoot("simplified, eq. 4", &["render.blend=simplified".into()])?;
+    let simplified = render_panel("simplified, eq. 4", &["render.blend=simplified".into()])?;
     rows.push(Row {
         name: "simplified".into(),
         number: None,
         error: compare(&simplified.film, &exact.film)?,
         stats: simplified.stats.clone().unwrap_or_default(),
     });
-    made.shots.push(simplified);
+    content.shots.push(simplified);
     for x in &settings.numbers {
         let set = ["render.blend=virtual".into(), format!("render.virtual_fragments={x}")];
-        let shot = shoot(&format!("virtual, x = {x}"), &set)?;
+        let shot = render_panel(&format!("virtual, x = {x}"), &set)?;
         rows.push(Row {
             name: format!("virtual, x = {x}"),
             number: Some(*x),
@@ -60,21 +60,21 @@ pub(super) fn make(stage: &Stage) -> Result<Made> {
             stats: shot.stats.clone().unwrap_or_default(),
         });
         if settings.shown.contains(x) {
-            made.shots.push(shot);
+            content.shots.push(shot);
         }
     }
     let reference = exact.stats.clone().unwrap_or_default();
-    made.shots.push(exact);
+    content.shots.push(exact);
     for row in &rows {
         let (flip, rmse) = (row.error.all.flip, row.error.all.rmse);
-        made.value(&format!("{}: mean FLIP against exact", row.name), flip, 0.1 * flip + 1e-3);
-        made.value(&format!("{}: RMSE against exact", row.name), rmse, 0.1 * rmse + 1e-4);
+        content.value(&format!("{}: mean FLIP against exact", row.name), flip, 0.1 * flip + 1e-3);
+        content.value(&format!("{}: RMSE against exact", row.name), rmse, 0.1 * rmse + 1e-4);
         let fragments = row.stats.fragments as f64;
-        made.value(&format!("{}: fragments", row.name), fragments, 0.01 * fragments);
+        content.value(&format!("{}: fragments", row.name), fragments, 0.01 * fragments);
     }
-    plots(&mut made, &rows, &reference);
-    made.table(&table(&rows, &reference));
-    Ok(made)
+    plots(&mut content, &rows, &reference);
+    content.table(&table(&rows, &reference));
+    Ok(content)
 }
 
 /// Time of the steps that blending changes, ms.
@@ -91,7 +91,7 @@ fn samples(stats: &Stats) -> f64 {
     f64::from(stats.width) * f64::from(stats.height) * f64::from(stats.spp.max(1))
 }
 
-fn plots(made: &mut Made, rows: &[Row], exact: &Stats) {
+fn plots(content: &mut FigureContent, rows: &[Row], exact: &Stats) {
     let of = |name: &str, y: &dyn Fn(&Row) -> f64| {
         let points = rows.iter().filter_map(|r| Some([f64::from(r.number?), y(r)])).collect();
         Curve { name: name.into(), points }
@@ -102,7 +102,7 @@ fn plots(made: &mut Made, rows: &[Row], exact: &Stats) {
     let simplified = rows.iter().find(|r| r.number.is_none());
     let by_simplified = |f: &dyn Fn(&Row) -> f64| simplified.map_or(f64::NAN, f);
     let x = "virtual fragments x";
-    made.plots.push((
+    content.plots.push((
         "error".into(),
         Plot {
             caption: "Error against exact blending".into(),
@@ -117,7 +117,7 @@ fn plots(made: &mut Made, rows: &[Row], exact: &Stats) {
             ],
         },
     ));
-    made.plots.push((
+    content.plots.push((
         "time".into(),
         Plot {
             caption: "Time of march, hairs and blending (steps 4, 6 and 7)".into(),
@@ -132,7 +132,7 @@ fn plots(made: &mut Made, rows: &[Row], exact: &Stats) {
         },
     ));
     let bytes = |s: &Stats| fragments(s) * FRAGMENT_BYTES as f64;
-    made.plots.push((
+    content.plots.push((
         "memory".into(),
         Plot {
             caption: "Bytes of fragments a sample".into(),

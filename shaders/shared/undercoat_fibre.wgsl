@@ -1,26 +1,26 @@
 // Scattering of the undercoat's hairs.
-// Needs: coat_fibre (uniform Fibre); shared/fibre.
+// Needs: undercoat_fibre (uniform Fibre); shared/fibre.
 
 // The model, fixed when the kernel is compiled.
-override COAT_MODEL: u32 = 0u;
+override UNDERCOAT_MODEL: u32 = 0u;
 
 // Light from `l` to `v` by a hair of colour `tint`, times the irradiance; of Kajiya-Kay without the colour, see `coat_color`.
-fn scatter_coat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
-    if COAT_MODEL == MODEL_KAJIYA_KAY {
-        return vec3f(kajiya_kay(coat_fibre.diffuse, coat_fibre.specular, coat_fibre.specular_exponent, tangent, l, v));
+fn scatter_undercoat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
+    if UNDERCOAT_MODEL == MODEL_KAJIYA_KAY {
+        return vec3f(kajiya_kay(undercoat_fibre.diffuse, undercoat_fibre.specular, undercoat_fibre.specular_exponent, tangent, l, v));
     }
-    return scatter_fibre(COAT_MODEL, coat_fibre, tangent, l, v, tint, MEAN_GLINT);
+    return scatter_fibre(UNDERCOAT_MODEL, undercoat_fibre, tangent, l, v, tint, MEAN_GLINT);
 }
 
-// Factor on what `scatter_coat` gives: Kajiya-Kay's colour is that of the place of the look, not of the nodes around it.
+// Factor on what `scatter_undercoat` gives: Kajiya-Kay's colour is that of the place of the look, not of the nodes around it.
 fn coat_color(tint: vec3f) -> vec3f {
-    return select(vec3f(1.0), tint, COAT_MODEL == MODEL_KAJIYA_KAY);
+    return select(vec3f(1.0), tint, UNDERCOAT_MODEL == MODEL_KAJIYA_KAY);
 }
 
 // Colour of a hair that takes as much light as the halves of one with these colours do. Where the colour stands for absorption within
 // the hair, that is the square of its logarithm.
 fn mean_color(a: vec3f, b: vec3f) -> vec3f {
-    if COAT_MODEL < MODEL_CHIANG {
+    if UNDERCOAT_MODEL < MODEL_CHIANG {
         return 0.5 * (a + b);
     }
     let low = vec3f(1e-3);

@@ -1,6 +1,6 @@
 //! Where figures are made: the device, the figure's folder, and how large and how good pictures are to be.
 
-use super::made::{Made, Shot};
+use super::content::{FigureContent, PanelImage};
 use super::panel;
 use super::spec::{Figure, Panel};
 use crate::provenance::{only_files_missing, say};
@@ -15,10 +15,10 @@ use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// What makers of figures are given.
-pub struct Stage<'a> {
+pub struct FigureContext<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// What is to be made.
+    /// What is to be content.
     pub figure: &'a Figure,
     /// The figure's folder in the registry.
     pub folder: &'a Path,
@@ -32,7 +32,7 @@ pub struct Stage<'a> {
     pub cancel: &'a AtomicBool,
 }
 
-impl Stage<'_> {
+impl FigureContext<'_> {
     /// Pixels of a panel.
     pub fn size(&self) -> [u32; 2] {
         self.figure.panel_size(self.asked, self.quick)
@@ -105,17 +105,17 @@ impl Stage<'_> {
     /// The finished picture of a world: through its lens, over its background.
     ///
     /// # Errors
-    /// As [`Stage::render`], and those of reading the background.
-    pub fn shoot(&self, label: &str, world: &World, assets: &Assets) -> Result<Shot> {
-        self.shoot_at(label, world, assets, 0.0)
+    /// As [`FigureContext::render`], and those of reading the background.
+    pub fn render_panel(&self, label: &str, world: &World, assets: &Assets) -> Result<PanelImage> {
+        self.render_panel_at(label, world, assets, 0.0)
     }
 
-    fn shoot_at(&self, label: &str, world: &World, assets: &Assets, time: f64) -> Result<Shot> {
+    fn render_panel_at(&self, label: &str, world: &World, assets: &Assets, time: f64) -> Result<PanelImage> {
         let mut frame = self.render_at(world, time)?;
         depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
         composite::over_background(&mut frame.film, &world.scene, assets)?;
         self.tell(&format!("{label}: {:.2} s", frame.stats.total_ms / 1e3))?;
-        Ok(Shot {
+        Ok(PanelImage {
             label: label.to_owned(),
             film: frame.film,
             spec: world.scene.film.clone(),
@@ -138,11 +138,11 @@ impl Stage<'_> {
     /// Renders the figure's panels.
     ///
     /// # Errors
-    /// As [`Stage::load`] and [`Stage::shoot`]. Everything is loaded before anything is rendered: a missing file shows itself at once.
-    pub(super) fn panels(&self) -> Result<Made> {
+    /// As [`FigureContext::load`] and [`FigureContext::render_panel`]. Everything is loaded before anything is rendered: a missing file shows itself at once.
+    pub(super) fn panels(&self) -> Result<FigureContent> {
         enum Job {
             Scene(Box<World>, Assets),
-            Image(Box<Shot>),
+            Image(Box<PanelImage>),
         }
         let load = |panel: &Panel| match (&panel.scene, &panel.image) {
             (Some(scene), _) => {
@@ -155,23 +155,23 @@ impl Stage<'_> {
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
         let there = |name: &String| Assets::of_folder(self.folder).find(name).is_ok();
         let images = self.figure.panels.iter().filter_map(|panel| panel.image.clone());
-        let mut made = Made { missing: images.filter(|name| !there(name)).collect(), ..Made::default() };
+        let mut content = FigureContent { missing: images.filter(|name| !there(name)).collect(), ..FigureContent::default() };
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
             self.gpu.ledger.reset_peaks();
-            made.shots.push(match job {
+            content.shots.push(match job {
                 Job::Scene(mut world, assets) => {
                     let state = animation::at(&world.scene, panel.frame);
                     world.scene.camera = state.camera;
-                    self.shoot_at(&panel.label, &world, &assets, state.time)?
+                    self.render_panel_at(&panel.label, &world, &assets, state.time)?
                 }
                 Job::Image(shot) => *shot,
             });
         }
-        Ok(made)
+        Ok(content)
     }
 
     /// A photograph cut to the panels' size; words on grey where it is not there.
-    fn photograph(&self, label: &str, name: &str) -> Result<Shot> {
+    fn photograph(&self, label: &str, name: &str) -> Result<PanelImage> {
         let [width, height] = self.size();
         let film = match Assets::of_folder(self.folder).find(name) {
             Ok(path) => {
@@ -183,6 +183,6 @@ impl Stage<'_> {
             }
             Err(_) => panel::slot(width, height, &format!("{name} is not there")),
         };
-        Ok(Shot::drawn(label, film))
+        Ok(PanelImage::drawn(label, film))
     }
 }

@@ -13,20 +13,20 @@ use serde::{Deserialize, Serialize};
 use std::path::Path;
 
 /// A picture.
-pub struct Shot {
+pub struct PanelImage {
     /// What it shows.
     pub label: String,
     /// Its layers.
     pub film: Film,
     /// How it is shown.
     pub spec: FilmSpec,
-    /// The scene as it was rendered, TOML; `None` for what no scene made.
+    /// The scene as it was rendered, TOML; `None` for what no scene content.
     pub scene: Option<String>,
     /// Counts and times.
     pub stats: Option<Stats>,
 }
 
-impl Shot {
+impl PanelImage {
     /// Of pixels that are shown as they are: display-linear, premultiplied.
     pub fn drawn(label: &str, film: Film) -> Self {
         let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
@@ -57,9 +57,9 @@ pub struct Diagram {
 
 /// A figure's parts.
 #[derive(Default)]
-pub struct Made {
+pub struct FigureContent {
     /// Pictures, which are also assembled to a sheet.
-    pub shots: Vec<Shot>,
+    pub shots: Vec<PanelImage>,
     /// Curves, each with part of its file's name.
     pub plots: Vec<(String, Plot)>,
     /// Drawings.
@@ -74,7 +74,7 @@ pub struct Made {
     pub missing: Vec<String>,
 }
 
-impl Made {
+impl FigureContent {
     /// Adds a table to the text.
     pub fn table(&mut self, table: &Table) {
         self.text += &table.markdown();
@@ -149,8 +149,8 @@ impl Record {
     /// Writes a figure's files into `out`, its record last.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Check`] where a film lacks planes or a wipe names no picture.
-    pub(super) fn write(mut self, figure: &Figure, made: Made, out: &Path) -> Result<Self> {
+    /// [`Error::Io`]; [`Error::Unsupported`] where a film lacks planes or a wipe names no picture.
+    pub(super) fn write(mut self, figure: &Figure, made: FigureContent, out: &Path) -> Result<Self> {
         let metadata = Metadata::of_program()
             .with_adapter(&self.provenance.adapter, &self.provenance.driver)
             .with_command_line(self.provenance.command.iter());
@@ -158,7 +158,7 @@ impl Record {
             files::write_atomically(&out.join(file), |f| Ok(std::io::Write::write_all(f, text.as_bytes())?))
         };
         let mut tiles = Vec::new();
-        for (i, shot) in made.shots.iter().enumerate() {
+        for (i, shot) in content.shots.iter().enumerate() {
             let letter = letter(i);
             let stem = format!("{letter}_{}", file_name(&shot.label));
             let [file, layers] = ["png", "exr"].map(|end| format!("{stem}.{end}"));
@@ -183,12 +183,12 @@ impl Record {
             io::write(&sheet, out.join(&file), &metadata, &spec)?;
             self.sheet = Some(file);
         }
-        for (name, plot) in &made.plots {
+        for (name, plot) in &content.plots {
             let file = format!("{}.svg", file_name(name));
             text(&file, &plot.file())?;
             self.drawings.push(Drawing { file, caption: plot.caption.clone() });
         }
-        for diagram in &made.diagrams {
+        for diagram in &content.diagrams {
             let file = format!("{}.svg", file_name(&diagram.name));
             text(&file, &diagram.svg)?;
             self.drawings.push(Drawing { file, caption: diagram.caption.clone() });
@@ -196,7 +196,7 @@ impl Record {
         for wipe in &figure.wipes {
             let file = |label: &String| {
                 self.pictures.iter().find(|p| p.label == *label).map(|p| p.file.clone()).ok_or_else(|| {
-                    Error::Check(format!(
+                    Error::Unsupported(format!(
                         "{}: a wipe names {label:?}, which no picture is called",
                         self.figure
                     ))
@@ -204,10 +204,10 @@ impl Record {
             };
             self.wipes.push([file(&wipe.left)?, file(&wipe.right)?]);
         }
-        self.text = made.text;
-        self.values = made.values;
-        self.missing = made.missing;
-        self.files = made.files.into_iter().map(|(file, caption)| Drawing { file, caption }).collect();
+        self.text = content.text;
+        self.values = content.values;
+        self.missing = content.missing;
+        self.files = content.files.into_iter().map(|(file, caption)| Drawing { file, caption }).collect();
         write_json(&out.join(RECORD), &self)?;
         Ok(self)
     }
