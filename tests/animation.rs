@@ -1,8 +1,6 @@
 //! Frames, and the spring that hair hangs on, against closed forms.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use glam::{DVec3, Vec3};
 use pelage::{
     Scene, World, animation,

@@ -1,8 +1,6 @@
 //! `pelage bake` on the command line: what it leaves behind, and bad input.
 
-mod common;
-
-use common::{Folder, Run, command, pelage};
+use crate::common::{Folder, Run, command, pelage};
 use serde_json::Value;
 
 const SCENE: &str = "tests/data/small.toml";

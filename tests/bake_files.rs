@@ -1,8 +1,6 @@
 //! Files of baked textures: levels of detail, mips, PNG, EXR, KTX2, compression, manifest, memory.
 
-mod common;
-
-use common::Folder;
+use crate::common::Folder;
 use pelage::{
     Error,
     bake::{

@@ -1,8 +1,6 @@
 //! The makers of textures: what one hair leaves, that the fur's own opacity is kept, that nothing depends on where the torus is cut.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::worlds;
 use glam::Vec3;
 use pelage::bake::{self, Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
 use pelage::reference::hash::random;

@@ -1,10 +1,7 @@
 //! `base_raster` against its twin, and against plain ray casting.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, Tile};
 use glam::Vec3;
-use gpu::{Fixture, Tile};
 use pelage::layout::Frame;
 use pelage::reference::base_raster::{NO_BASE, project, shade, triangles, unpack};
 use pelage::reference::light_occlusion::hit;

@@ -1,8 +1,6 @@
 //! `pelage bench`: the rows of the paper's table, comparisons, JSON.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use pelage::bench::Times;
 use serde_json::Value;
 

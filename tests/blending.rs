@@ -1,11 +1,8 @@
 //! How undercoat, guard hairs and skin come together in the image.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 use pelage::scene::{Blend, Fur, LightLookup, Scene, Storage};
 use pelage::stats::Stats;
-use worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 
 fn blended(
     blend: Blend,

@@ -1,8 +1,6 @@
 //! The command line where everything goes well.
 
-mod common;
-
-use common::{Folder, command, pelage};
+use crate::common::{self, Folder, command, pelage};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {

@@ -1,10 +1,7 @@
 //! The same scene, seed and adapter give the same bytes, whatever the tile size, the memory budget and the order of threads.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::worlds::{ball, differing, render};
 use pelage::scene::{Blend, Filter, Fur, Scene};
-use worlds::{ball, differing, render};
 
 fn scene(blend: Blend) -> impl Fn(&mut Scene) {
     move |scene| {

@@ -1,7 +1,6 @@
 //! A device that is lost is opened again once; the tiles that were done stay.
 
-mod common;
-
+use crate::common;
 use pelage::render::{Progress, RenderOptions, render_with};
 use pelage::{Error, Scene, World, gpu::Gpu};
 use std::sync::Mutex;

@@ -1,10 +1,7 @@
 //! `edge_table` against its twin and against the neighbour table of the mesh.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, jittered_grid, skin, world_on};
 use glam::Vec3;
-use gpu::{Fixture, jittered_grid, skin, world_on};
 use pelage::Skin;
 use pelage::mesh::topology;
 use pelage::reference::edge_table::neighbours;

@@ -1,8 +1,6 @@
 //! Scenes for other renderers: what is written is read back by hand and compared with what this program renders.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
 use pelage::export::{self, EnvironmentAs, Target, Written, curves};
 use pelage::pathtrace::strands::{Hair, Layer, Strands};

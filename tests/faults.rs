@@ -2,9 +2,7 @@
 //!
 //! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering` renders.
 
-mod common;
-
-use common::{Folder, Run, command, pelage, pelage_without_adapter};
+use crate::common::{self, Folder, Run, command, pelage, pelage_without_adapter};
 
 const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
 

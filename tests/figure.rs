@@ -1,8 +1,6 @@
 //! `pelage figure`: the registry, and one figure from end to end.
 
-mod common;
-
-use common::{Folder, command, pelage, root};
+use crate::common::{Folder, command, pelage, root};
 use pelage::figure::Figure;
 use pelage::{Scene, film::io};
 use serde_json::Value;

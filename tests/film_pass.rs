@@ -1,19 +1,14 @@
 //! `film` against its twin: samples of every kind to pixels.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu::{self, Fixture, Tile};
+use crate::common::worlds::{self, ball};
 use bytemuck::Zeroable;
-use gpu::{Fixture, Tile};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::Reconstruction;
 use pelage::reference::film::{PLANES, Sample, pixel, unpack};
 use pelage::reference::hash::{hash2, random};
 use pelage::scene::Filter;
-use worlds::ball;
 
 /// Samples with all fields at random; some see nothing.
 fn samples(count: u32) -> Vec<[u32; 8]> {

@@ -1,12 +1,8 @@
 //! The glTF of a fur: what is in the buffer, read back by its accessors, and what is refused.
 
-mod common;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
-use common::Folder;
+use crate::common::Folder;
+use crate::common::gpu;
+use crate::common::shellfins::{Fur, even};
 use glam::{Vec2, Vec3};
 use pelage::{
     Scene, World,
@@ -18,7 +14,6 @@ use pelage::{
     skin::NONE,
 };
 use serde_json::Value;
-use shellfins::{Fur, even};
 use std::collections::HashMap;
 
 const PATCH: f32 = 1.5;

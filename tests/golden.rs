@@ -2,10 +2,11 @@
 //!
 //! After a change that is meant to change pictures, look at them and keep the new ones:
 //!
-//!     PELAGE_BLESS=1 cargo test --release --test golden
+//!     PELAGE_BLESS=1 cargo test --release --test pelage golden::
 //!
 //! A picture that fails is written to `target/golden/` beside its error image.
 
+use crate::common::root;
 use pelage::compare::{self, Comparison, ErrorImage, Thresholds};
 use pelage::film::{Film, Metadata, composite, io};
 use pelage::render::{self, RenderOptions};
@@ -41,10 +42,6 @@ const LIMITS: Thresholds = Thresholds {
     alpha_difference: None,
     max_abs: None,
 };
-
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
 
 fn kept(name: &str) -> PathBuf {
     root().join("tests/golden").join(format!("{name}.png"))

@@ -1,9 +1,6 @@
 //! `guard_bins` against its twin: each tile has the strands that touch it, each once.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, Tile, jittered_grid, scaled, world_on};
+use crate::common::gpu::{self, Fixture, Tile, jittered_grid, scaled, world_on};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::Root;

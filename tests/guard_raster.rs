@@ -1,10 +1,7 @@
 //! `guard_raster` against its twin, and the coverage of ribbons.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, Node, Tile, jittered_grid, scaled, world_on};
 use glam::{Vec3, Vec4};
-use gpu::{Fixture, Node, Tile, jittered_grid, scaled, world_on};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::Root;

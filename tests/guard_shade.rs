@@ -1,20 +1,14 @@
 //! `guard_shade` against its twin: the radiance of every strand vertex.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/lit.rs"]
-mod lit;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::lit::Lit;
+use crate::common::worlds::ball;
 use glam::Vec3;
-use lit::Lit;
 use pelage::fibre::Fibre;
 use pelage::layout::Root;
 use pelage::reference::film::halves;
 use pelage::reference::guard_shade::{HIDDEN, shade};
 use pelage::scene::{FibreModel, MultipleModel, Scene, Shading};
-use worlds::ball;
 
 /// Compares all strands; `fibre_factor` disturbs the twin's fibre.
 fn agreement(edit: impl FnOnce(&mut Scene), fibre_factor: f32, tolerance: f32) -> f64 {

@@ -1,9 +1,6 @@
 //! `guard_splat` against its twin: nothing of the guard hairs is lost between strands and lattice.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, jittered_grid, scaled, world_on};
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage::gpu::Recorder;
 use pelage::gpu::recorder::Timings;
 use pelage::layout::{Column, Root};

@@ -1,9 +1,6 @@
 //! `guard_strands` against its twin, and the shape of the strands.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use pelage::layout::Root;
 use pelage::reference::guard_strands::{diameter, strand};
 use pelage::reference::strands::{opacity, position, radius};

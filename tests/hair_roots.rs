@@ -1,10 +1,7 @@
 //! `hair_roots` against its twin, and the statistics of the roots.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use glam::Vec3;
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
 use pelage::layout::Root;
 use pelage::reference::groom::{Parameter, skin_point};
 use pelage::reference::hair_roots::Roots;

@@ -1,8 +1,6 @@
 //! `shared/random` and `shared/octahedral` against their twins.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu;
 use glam::Vec3;
 use pelage::reference::{hash, octahedral};
 

@@ -1,8 +1,6 @@
 //! Lapped patches: what must hold on any mesh.
 
-mod common;
-
-use common::{Folder, assets, command, pelage};
+use crate::common::{self, Folder, assets, command, pelage};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use pelage::lapped::{Lapped, contains, lap};
 use pelage::mesh::{self, Mesh};

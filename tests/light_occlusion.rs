@@ -1,9 +1,6 @@
 //! `light_occlusion` against its twin, which tries every triangle.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::Fixture;
+use crate::common::gpu::{self, Fixture};
 use pelage::layout::Column;
 use pelage::reference::light_occlusion::bits;
 

@@ -1,8 +1,6 @@
 //! `shared/noise` against the `noise` crate's simplex noise.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu;
 use glam::Vec3;
 use pelage::groom::noise_tables;
 use pelage::reference::{hash::random, noise::Field};

@@ -1,13 +1,8 @@
 //! Strands grown on the CPU: guard hairs as the renderer's, undercoat as its volume says.
 
-#[path = "common/beams.rs"]
-mod beams;
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use beams::{Beam, hits, segments, transmittance};
+use crate::common::beams::{Beam, hits, segments, transmittance};
+use crate::common::gpu::{self, image, jittered_grid, scaled, world, world_on};
 use glam::{Vec2, Vec3};
-use gpu::{image, jittered_grid, scaled, world, world_on};
 use pelage::World;
 use pelage::groom;
 use pelage::pathtrace::grow::{GrowOptions, Patch, estimate, grow};

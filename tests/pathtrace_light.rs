@@ -1,10 +1,7 @@
 //! What light does among traced hairs: lossless hairs in an even sky, analytic radiance and coverage, shadows, the ways to sample.
 
-#[path = "common/hairs.rs"]
-mod hairs;
-
+use crate::common::hairs::*;
 use glam::{Vec3, Vec4};
-use hairs::*;
 use pelage::film::Film;
 use pelage::light::environment::Panorama;
 use pelage::pathtrace::light::Sky;

@@ -1,12 +1,8 @@
 //! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the command.
 
-mod common;
-#[path = "common/hairs.rs"]
-mod hairs;
-
-use common::Folder;
+use crate::common::hairs::*;
+use crate::common::{self, Folder};
 use glam::Vec3;
-use hairs::*;
 use pelage::fibre::Fibre;
 use pelage::film::{Film, io};
 use pelage::pathtrace::strands::{Layer, Strands};

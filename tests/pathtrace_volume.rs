@@ -1,9 +1,6 @@
 //! The undercoat's volume against its hairs: optical depths along the same rays.
 
-#[path = "common/beams.rs"]
-mod beams;
-
-use beams::{Beam, hits, optical_depth, segments};
+use crate::common::beams::{Beam, hits, optical_depth, segments};
 use glam::{Vec2, Vec3};
 use pelage::assets::Assets;
 use pelage::layout::Fur;

@@ -1,22 +1,16 @@
 //! `resolve` against its twin: the lists of small worlds, and lists made up to be hard.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::marched::Marched;
+use crate::common::worlds::ball;
 use glam::{Vec3, Vec4};
 use half::f16;
-use marched::Marched;
 use pelage::reference::film::Sample;
 use pelage::reference::hash::random;
 use pelage::reference::resolve::{Gathered, Kind, Node, exact, simplified_alpha, stored};
 use pelage::reference::undercoat_march::first_phase;
 use pelage::reference::view::sample_ray;
 use pelage::scene::{Blend, Scene};
-use worlds::ball;
 
 /// Largest difference of a resolved sample.
 fn difference(found: &Sample, wanted: &Gathered) -> f32 {

@@ -1,8 +1,6 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
-mod common;
-
-use common::Folder;
+use crate::common::{self, Folder};
 use pelage::{
     Error, Scene, SceneFault,
     scene::{self, Blend, Color, Fur, Scalar, Shape, preset},

@@ -1,10 +1,7 @@
 //! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU against it.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, jittered_grid, world_on};
 use glam::Vec3;
-use gpu::{Fixture, jittered_grid, world_on};
 use pelage::Skin;
 use pelage::layout::{Prism, ShellVertex};
 use pelage::mesh::topology;

@@ -1,9 +1,6 @@
 //! `shell_entry` against its twin, and against plain ray casting.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, Tile};
+use crate::common::gpu::{self, Fixture, Tile};
 use pelage::reference::base_raster::{NO_BASE, project, unpack};
 use pelage::reference::light_occlusion::hit;
 use pelage::reference::shell_entry::{entries, faces};

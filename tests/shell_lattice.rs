@@ -1,11 +1,8 @@
 //! `shell_lattice` against its twin, and the geometry of the light lattice.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use bytemuck::Zeroable;
 use glam::Vec3;
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
 use pelage::layout::{Column, Fur, Prism, ShellVertex};
 use pelage::reference::hash::random;
 use pelage::reference::lattice::{cell, column_index, column_lambda, node_index};

@@ -1,10 +1,7 @@
 //! `shell_prisms` against its twin: heights of the shell, with maps and folds.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, close, image, jittered_grid, scaled, skin, world_on};
 use glam::Vec3;
-use gpu::{Fixture, close, image, jittered_grid, scaled, skin, world_on};
 use pelage::World;
 use pelage::reference::shell_prisms::{heights, part_of_area};
 

@@ -1,10 +1,7 @@
 //! `shellfin_raster` against its twin: the picture of skin, fins and shells.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
+use crate::common::gpu;
+use crate::common::shellfins::{Fur, even, fur_world, textures};
 use glam::{Vec3, Vec4};
 use pelage::bake::{FurTextures, lod};
 use pelage::gpu::recorder::Timings;
@@ -17,7 +14,6 @@ use pelage::reference::shellfin_raster::{Picture, Pixel, fin_fade};
 use pelage::reference::shellfin_rows;
 use pelage::scene::{BakeSource, Mapping};
 use pelage::shellfin::Pictures;
-use shellfins::{Fur, even, fur_world, textures};
 
 /// The GPU's samples (colour and depth) and the twin's.
 fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Option<Vec<(Vec4, f32, Pixel)>> {

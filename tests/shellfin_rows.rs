@@ -1,10 +1,7 @@
 //! `shellfin_rows` against its twin: where hairs pass the rows above the skin, and how they are lit there.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
+use crate::common::gpu;
+use crate::common::shellfins::{Fur, even, fur_world};
 use glam::Vec3;
 use pelage::fibre::Fibre;
 use pelage::groom;
@@ -13,7 +10,6 @@ use pelage::reference::groom::Maps;
 use pelage::reference::shellfin_rows::{Hair, RowVertex, unpack};
 use pelage::scene::{BakeSource, Scalar, Shells};
 use pelage::shellfin::{FIN_ROWS, levels, rows};
-use shellfins::{Fur, even, fur_world};
 
 /// Rows of a scene as the GPU places them and as the twin does, with `disturb` applied to the twin's fibre.
 fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<Vec<(RowVertex, RowVertex)>> {

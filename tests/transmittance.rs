@@ -1,13 +1,10 @@
 //! The march through a slab of even density against Beer and Lambert.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::worlds::{plane, render, square};
 use glam::{Vec2, Vec3};
 use pelage::reference::{noise::Field, shell::Shell, undercoat::Undercoat, view};
 use pelage::scene::{DirectionalLight, Fur};
 use pelage::{World, camera};
-use worlds::{plane, render, square};
 
 /// Undercoat of the slab: hairs/cm2, diameter in um, height in cm.
 const DENSITY: f32 = 2000.0;

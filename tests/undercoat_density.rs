@@ -1,9 +1,6 @@
 //! `undercoat_density` against its twin: what the stored volume holds.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, jittered_grid, scaled, world_on};
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage::reference::undercoat::{DENSITY_RANGE, Medium, Undercoat, pack_medium, unpack_medium};
 use pelage::reference::{hash, undercoat_density::media};
 

@@ -1,17 +1,10 @@
 //! `undercoat_light`, and the look-up of light that it stands for, against marches of their own.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/lit.rs"]
-mod lit;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::lit::Lit;
+use crate::common::marched::Marched;
+use crate::common::worlds::ball;
 use glam::Vec3;
-use lit::Lit;
-use marched::Marched;
 use pelage::reference::hash::hash2;
 use pelage::reference::resolve::Kind;
 use pelage::reference::undercoat::{color, scatter};
@@ -19,7 +12,6 @@ use pelage::reference::undercoat_light::Attenuator;
 use pelage::reference::undercoat_march::{first_phase, look_up, steps};
 use pelage::reference::view::sample_ray;
 use pelage::scene::Fur;
-use worlds::ball;
 
 /// Transmittances at the nodes against fine marches through the medium; returns mean and mean absolute difference.
 fn node_errors(factor: f32) -> Option<(f64, f64)> {

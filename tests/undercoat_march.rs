@@ -1,19 +1,13 @@
 //! `undercoat_march` against its twin: the fragments of every sample.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
-use marched::Marched;
+use crate::common::gpu;
+use crate::common::marched::Marched;
+use crate::common::worlds::world;
 use pelage::World;
 use pelage::reference::resolve::Kind;
 use pelage::reference::undercoat_march::{first_phase, fragments, steps};
 use pelage::reference::view::sample_ray;
 use pelage::scene::{Blend, FibreModel, Fur, Scene, Shape, Storage};
-use worlds::world;
 
 /// A torus: rays that enter twice, graze, and see it from within its hole.
 fn torus(edit: impl FnOnce(&mut Scene)) -> World {

@@ -1,18 +1,12 @@
 //! `undercoat_source` against its twin: every node of the lattice, and the light of the skin.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/lit.rs"]
-mod lit;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::lit::Lit;
+use crate::common::worlds::ball;
 use glam::Vec3;
-use lit::Lit;
 use pelage::reference::film::halves;
 use pelage::reference::undercoat_source::unpack;
 use pelage::scene::{DirectionalLight, FibreModel, MultipleModel};
-use worlds::ball;
 
 #[test]
 fn source_and_skin_agree_with_the_twin() {

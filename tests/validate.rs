@@ -1,8 +1,6 @@
 //! The validation measures what it says, misses goals where it should, and writes a report.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use pelage::fibre::Fibre;
 use pelage::pathtrace::scene::Geometry;
 use pelage::pathtrace::strands::Layer;

@@ -1,7 +1,5 @@
 //! Parallel rays through strands: what they meet, counted one by one.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use glam::{Vec2, Vec3};
 use pelage::pathtrace::strands::Strands;
 

@@ -1,7 +1,5 @@
 //! Worlds, buffers and small shaders for the tests that hold the passes against their twins.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use bytemuck::Pod;
 use glam::{Vec2, Vec3};
 use pelage::assets::Assets;

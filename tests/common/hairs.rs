@@ -1,7 +1,5 @@
 //! Hairs made by hand for the path tracer.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use glam::{Vec3, Vec4};
 use pelage::fibre::Fibre;
 use pelage::film::Film;

@@ -1,8 +1,6 @@
 //! A world's light lattice with what its twins read.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::Fixture;
+use super::gpu::Fixture;
 use glam::Vec2;
 use pelage::World;
 use pelage::camera;

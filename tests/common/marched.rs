@@ -1,8 +1,6 @@
 //! A tile of a small world through steps 4 to 7, with what the twins of these steps read.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::{Fixture, Tile};
+use super::gpu::{self, Fixture, Tile};
 use glam::Vec4;
 use pelage::World;
 use pelage::gpu::recorder::Timings;
@@ -119,7 +117,7 @@ impl Marched {
 
     /// The fragments of each sample, sorted.
     pub fn nodes(&self) -> Vec<Vec<Node>> {
-        let node = |n: &crate::gpu::Node| Node { z: n.z, source: n.source, color: Vec4::from(n.color) };
+        let node = |n: &gpu::Node| Node { z: n.z, source: n.source, color: Vec4::from(n.color) };
         self.tile
             .lists(self.fixture.prepared.gpu)
             .iter()

@@ -1,6 +1,12 @@
 //! Runs the real command and looks at what it leaves behind.
 
-#![allow(dead_code)] // Every test file uses a part of this.
+pub mod beams;
+pub mod gpu;
+pub mod hairs;
+pub mod lit;
+pub mod marched;
+pub mod shellfins;
+pub mod worlds;
 
 use std::{
     path::{Path, PathBuf},
@@ -57,6 +63,20 @@ pub fn pelage_without_adapter<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     let mut command = command();
     command.env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args);
     command.output().expect("the command starts").into()
+}
+
+/// Runs `body`, the whole of the test that this program calls `name`, in a process of its own: what the process measures
+/// of itself is then not mixed with the tests that run beside it.
+pub fn alone(name: &str, body: impl FnOnce()) {
+    const ALONE: &str = "PELAGE_TEST_ALONE";
+    if std::env::var_os(ALONE).is_some() {
+        return body();
+    }
+    let mut command = Command::new(std::env::current_exe().expect("this program"));
+    command.args([name, "--exact", "--nocapture"]).env(ALONE, "1");
+    let run = Run::from(command.output().expect("this program starts again")).expect(0, &[]);
+    assert!(run.out.contains("1 passed"), "no test {name}: {}", run.out);
+    print!("{}", run.out);
 }
 
 /// The repository.

@@ -1,8 +1,6 @@
 //! Small furs of shells and fins, with synthetic textures.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::{skin, world_on};
+use super::gpu::{skin, world_on};
 use glam::{Vec2, Vec3};
 use pelage::bake::{FurTextures, Manifest, Texture};
 use pelage::gpu::Gpu;

@@ -1,7 +1,5 @@
 //! Small worlds for tests on the GPU, and what is measured on their films.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use pelage::film::Film;
 use pelage::render::{Frame, RenderOptions};
 use pelage::scene::{DirectionalLight, Filter, Fur, Scene, Shape};
