@@ -1,6 +1,6 @@
 //! Files of baked textures: levels of detail, mips, PNG, EXR, KTX2, compression, manifest, memory.
 
-use crate::common::Folder;
+use crate::common::{self, Folder, on_threads};
 use pelage::{
     Error,
     bake::{
@@ -403,10 +403,8 @@ fn the_manifest_lists_what_is_there() {
         }
     }
     // What the schema promises.
-    let json: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("manifest.json")).unwrap()).unwrap();
-    let schema = std::fs::read(folder.path().join(json["$schema"].as_str().unwrap())).unwrap();
-    let schema: serde_json::Value = serde_json::from_slice(&schema).unwrap();
+    let json = common::json(folder.path().join("manifest.json"));
+    let schema = common::json(folder.path().join(json["$schema"].as_str().unwrap()));
     for key in schema["required"].as_array().unwrap() {
         assert!(!json[key.as_str().unwrap()].is_null(), "{key}");
     }
@@ -449,8 +447,7 @@ fn the_same_bytes_whatever_the_threads() {
     let fur = textures(4, [32, 32], [16, 8]);
     let bytes = |threads| {
         let folder = Folder::new();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let file = pool.install(|| write(&fur, folder.path(), &ALL));
+        let file = on_threads(threads, || write(&fur, folder.path(), &ALL));
         let read = |f: &str| std::fs::read(folder.path().join(f)).unwrap();
         let mut all: Vec<_> = file.files.iter().map(|f| read(&f.path)).collect();
         all.push(read(bake::MANIFEST));

@@ -1,6 +1,7 @@
 //! The makers of textures: what one hair leaves, that the fur's own opacity is kept, that nothing depends on where the torus is cut.
 
-use crate::common::worlds;
+use crate::common::on_threads;
+use crate::common::{gpu, worlds};
 use glam::Vec3;
 use pelage::bake::{self, Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
 use pelage::reference::hash::random;
@@ -158,10 +159,7 @@ fn no_source_shows_where_its_torus_is_cut() {
 #[test]
 fn the_number_of_threads_does_not_matter() {
     for source in [BakeSource::Hybrid, BakeSource::Particles, BakeSource::Dots] {
-        let bake = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| baked(|scene| scene.bake.source = source))
-        };
+        let bake = |threads| on_threads(threads, || baked(|scene| scene.bake.source = source));
         assert!(bake(1) == bake(3), "{source:?}");
     }
     assert!(
@@ -263,9 +261,7 @@ fn maps_count_at_their_mean() {
         let text = format!(
             "[mesh]\nshape = 'plane'\n[undercoat]\ndensity = {value}\nnoise_contrast = 0\n[guard]\ndensity = 0\n[bake]\nlayers = 2"
         );
-        let scene = Scene::parse(&text, "test.toml", &[]).expect("a scene");
-        let world = pelage::World::load(scene, &Default::default()).expect("a world");
-        let textures = bake::bake(&world).expect("textures");
+        let textures = bake::bake(&gpu::world(&text)).expect("textures");
         textures.manifest.summary.iter().map(|l| l.optical_depth).sum::<f32>()
     };
     // The plane's vertices are white.

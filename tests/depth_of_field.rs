@@ -1,26 +1,12 @@
 //! Depth of field as a post-process.
 
+use crate::common::films::chart;
+use crate::common::message;
 use pelage::{
     Error,
     film::{Film, depth_of_field},
     scene::{Camera, Lens, LensMethod},
 };
-
-fn chart(width: u32, height: u32) -> Film {
-    let (w, h) = (width as f32, height as f32);
-    let pixels: Vec<[f32; 4]> = (0..width * height)
-        .map(|i| {
-            let (x, y) = ((i % width) as f32 / w, (i / width) as f32 / h);
-            let alpha = if x < 0.5 { 1.0 } else { y };
-            [x * alpha, y * alpha, 0.25 * alpha, alpha]
-        })
-        .collect();
-    Film::from_premultiplied(width, height, &pixels)
-}
-
-fn message<T: std::fmt::Debug>(result: pelage::Result<T>) -> String {
-    result.expect_err("expected an error").to_string()
-}
 
 fn lens(aperture: f32, focus: f32) -> Camera {
     Camera {

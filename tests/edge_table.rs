@@ -1,5 +1,6 @@
 //! `edge_table` against its twin and against the neighbour table of the mesh.
 
+use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, skin, world_on};
 use glam::Vec3;
 use pelage::Skin;
@@ -66,6 +67,8 @@ fn a_table_without_the_check_of_owners_is_caught() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn neighbours_are_symmetric(indices in prop::collection::vec(prop::array::uniform3(0u32..9), 1..40)) {
         let triangles: Vec<[u32; 3]> =

@@ -1,5 +1,7 @@
 //! The film after rendering: writing, reading, tone mapping, backgrounds.
 
+use crate::common::films::{chart, plain};
+use crate::common::{assets, message, names};
 use glam::Vec3;
 use pelage::{
     Error, Scene,
@@ -7,44 +9,7 @@ use pelage::{
     film::{Film, Metadata, composite, io, resample, tonemap},
     scene::{Background, FilmSpec, Tonemap},
 };
-use std::path::{Path, PathBuf};
-
-fn plain() -> FilmSpec {
-    FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() }
-}
-
-fn chart(width: u32, height: u32) -> Film {
-    let (w, h) = (width as f32, height as f32);
-    let pixels: Vec<[f32; 4]> = (0..width * height)
-        .map(|i| {
-            let (x, y) = ((i % width) as f32 / w, (i / width) as f32 / h);
-            let alpha = if x < 0.5 { 1.0 } else { y };
-            [x * alpha, y * alpha, 0.25 * alpha, alpha]
-        })
-        .collect();
-    Film::from_premultiplied(width, height, &pixels)
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
-
-fn asset(name: &str) -> Option<PathBuf> {
-    let found = std::env::var_os("PELAGE_ASSETS").map(|folder| PathBuf::from(folder).join(name));
-    if found.is_none() {
-        println!("skipped: PELAGE_ASSETS is not set");
-    }
-    found
-}
-
-fn message<T: std::fmt::Debug>(result: pelage::Result<T>) -> String {
-    result.expect_err("expected an error").to_string()
-}
+use std::path::Path;
 
 // Writing and reading.
 
@@ -257,13 +222,9 @@ fn forged_sizes_are_refused_before_allocation() {
     assert!(forge(both, 1_000_000).contains("limit"), "beyond the pixel cap");
     assert!(forge(both, 9_999).contains("truncated"), "blocks that the file has no room for");
     assert!(forge(&[b"displayWindow"], 99).contains("display window"), "odd data window");
-    let mut png = Vec::new();
-    {
-        let mut path = folder.path().join("good.png");
-        io::write(&chart(8, 8), &path, &Metadata::default(), &plain()).unwrap();
-        png.extend(std::fs::read(&path).unwrap());
-        path.pop();
-    }
+    let path = folder.path().join("good.png");
+    io::write(&chart(8, 8), &path, &Metadata::default(), &plain()).unwrap();
+    let mut png = std::fs::read(&path).unwrap();
     // Width in IHDR; its checksum is then wrong too, which is as clear an error.
     png[16..20].copy_from_slice(&0x7fff_ffffu32.to_be_bytes());
     let path = folder.path().join("forged.png");
@@ -444,7 +405,8 @@ fn a_plate_covers_the_film_without_stretching() {
 
 #[test]
 fn the_environment_behind_the_fur_is_the_plate_of_the_same_view() {
-    let Some(plate) = asset("plates/chinese_garden_plate_yaw0_fov60.png") else { return };
+    let Some(folder) = assets() else { return };
+    let plate = folder.join("plates/chinese_garden_plate_yaw0_fov60.png");
     let mut scene = Scene::default();
     // The plate: towards -Z, horizontal field of view 60 degrees, 960 x 540, exposure 1.
     scene.camera.eye = [0.0; 3];

@@ -1,12 +1,11 @@
 //! The glTF of a fur: what is in the buffer, read back by its accessors, and what is refused.
 
 use crate::common::Folder;
-use crate::common::gpu;
+use crate::common::gpu::{self, world};
 use crate::common::shellfins::{Fur, even};
 use glam::{Vec2, Vec3};
 use pelage::{
-    Scene, World,
-    assets::Assets,
+    World,
     bake::{FurTextures, Manifest, Texture, gltf},
     lapped::Lapped,
     mesh::topology,
@@ -17,11 +16,6 @@ use serde_json::Value;
 use std::collections::HashMap;
 
 const PATCH: f32 = 1.5;
-
-fn world(scene: &str) -> World {
-    let scene = Scene::parse(scene, "gltf.toml", &[]).unwrap();
-    World::load(scene, &Assets::default()).unwrap()
-}
 
 fn textures() -> FurTextures {
     let blank = |width, height| Texture { width, height, texels: vec![[0.0; 4]; (width * height) as usize] };

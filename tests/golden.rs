@@ -6,11 +6,11 @@
 //!
 //! A picture that fails is written to `target/golden/` beside its error image.
 
+use crate::common::films::plain;
 use crate::common::root;
 use pelage::compare::{self, Comparison, ErrorImage, Thresholds};
 use pelage::film::{Film, Metadata, composite, io};
 use pelage::render::{self, RenderOptions};
-use pelage::scene::{FilmSpec, Tonemap};
 use pelage::{Scene, World, gpu::Gpu};
 use std::path::{Path, PathBuf};
 
@@ -57,10 +57,6 @@ fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
     let path = folder.join("picture.png");
     io::write(&frame.film, &path, &Metadata::default(), &world.scene.film).expect("it is written");
     io::read(&path).expect("it is read back")
-}
-
-fn plain() -> FilmSpec {
-    FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() }
 }
 
 #[test]

@@ -6,7 +6,6 @@ use pelage::gpu::recorder::Timings;
 use pelage::layout::{Column, Root};
 use pelage::reference::guard_splat::{deposits, extinction, volume};
 use pelage::reference::strands::{position, radius};
-use pelage::reference::undercoat::Undercoat;
 
 /// Fixed point of the deposits, 1/cm2.
 const FIXED_POINT: f64 = 4_194_304.0;
@@ -62,7 +61,7 @@ fn deposits_are_those_of_the_twin() {
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // What the passes kept.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-        let coat = Undercoat { fur: &fixture.fur, noise: fixture.noise(), shell: &fixture.shell, cells: &[] };
+        let coat = fixture.undercoat(&[]);
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
         let mut seen = [0.0f32; 2];
         for (i, word) in kept.iter().enumerate() {

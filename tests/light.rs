@@ -1,5 +1,6 @@
 //! Environment maps and the lights made of them.
 
+use crate::common::{assets, cases};
 use glam::{DVec3, Quat, Vec3};
 use pelage::{
     Error, Scene,
@@ -37,7 +38,8 @@ fn luminance(v: Vec3) -> f32 {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(40))]
+
     #[test]
     fn lights_have_the_energy_of_the_map(n in 1u32..=64, width in 2usize..90, height in 2usize..50, seed in 0f32..6.0) {
         let map = sky(width, height, seed);
@@ -221,12 +223,9 @@ fn a_black_map_gives_no_light() {
 
 #[test]
 fn real_maps_keep_their_energy_and_find_the_sun() {
-    let Some(folder) = std::env::var_os("PELAGE_ASSETS") else {
-        println!("skipped: PELAGE_ASSETS is not set");
-        return;
-    };
+    let Some(folder) = assets() else { return };
     for name in ["brown_photostudio_02_1k", "chinese_garden_1k", "noon_grass_1k"] {
-        let map = Panorama::load(&Path::new(&folder).join(format!("env/{name}.hdr"))).unwrap();
+        let map = Panorama::load(&folder.join(format!("env/{name}.hdr"))).unwrap();
         let lights = median_cut(&map, 16);
         let (total, lit) = (map.total(), sum(&lights));
         assert!(((total - lit) / total).abs().max_element() < 1e-6, "{name}");

@@ -1,5 +1,6 @@
 //! OBJ files as people really have them, and as nobody should.
 
+use crate::common::cases;
 use glam::{Vec2, Vec3};
 use pelage::mesh::obj::{Limits, parse, read};
 use pelage::mesh::{Mesh, load, skin_of};
@@ -225,6 +226,8 @@ fn strict_lists_every_repair() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn no_text_makes_the_reader_panic(
         words in prop::collection::vec(prop::sample::select(vec![

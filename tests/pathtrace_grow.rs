@@ -2,6 +2,7 @@
 
 use crate::common::beams::{Beam, hits, segments, transmittance};
 use crate::common::gpu::{self, image, jittered_grid, scaled, world, world_on};
+use crate::common::on_threads;
 use glam::{Vec2, Vec3};
 use pelage::World;
 use pelage::groom;
@@ -297,10 +298,7 @@ fn the_same_hairs_whatever_the_threads() {
     let world = world(
         "[mesh]\nshape = \"sphere\"\nsize = 1.5\n[guard]\ncomb_direction = [1, 0, 0]\n[render]\nseed = 5\n[undercoat]\nheight = 0.4\nlean = 0.4",
     );
-    let grown = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| all(&world))
-    };
+    let grown = |threads| on_threads(threads, || all(&world));
     let (one, two) = (grown(1), grown(2));
     assert_eq!(one.len(), 2);
     for (a, b) in one.iter().zip(&two) {

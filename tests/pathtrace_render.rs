@@ -1,7 +1,7 @@
 //! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the command.
 
 use crate::common::hairs::*;
-use crate::common::{self, Folder};
+use crate::common::{Folder, on_threads, pelage};
 use glam::Vec3;
 use pelage::fibre::Fibre;
 use pelage::film::{Film, io};
@@ -42,8 +42,7 @@ fn threads_and_passes_do_not_show() {
     let world = world();
     let base = options(Integrator::Path, LightModel::Map, 12);
     let of = |threads: usize, pass: u32| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| outcome(&world, &Options { pass, ..base.clone() }).film)
+        on_threads(threads, || outcome(&world, &Options { pass, ..base.clone() }).film)
     };
     let one = bits(&of(1, 4));
     assert!(one == bits(&of(3, 4)), "threads show");
@@ -155,7 +154,7 @@ fn the_command_writes_goes_on_and_refuses() {
     let run = |out: &str, more: &[&str]| {
         let mut args = vec!["reference", &scene, "-o", out, "--integrator", "single"];
         args.extend(more);
-        common::pelage(&args)
+        pelage(&args)
     };
     let first = run(&exr, &["--spp", "2"]).expect(0, &[]);
     assert!(first.out.contains("2 spp") && first.out.contains("million/s"), "{}", first.out);

@@ -1,8 +1,8 @@
 //! The undercoat's volume against its hairs: optical depths along the same rays.
 
 use crate::common::beams::{Beam, hits, optical_depth, segments};
+use crate::common::gpu;
 use glam::{Vec2, Vec3};
-use pelage::assets::Assets;
 use pelage::layout::Fur;
 use pelage::pathtrace::grow::{GrowOptions, grow};
 use pelage::pathtrace::shell::shell;
@@ -11,7 +11,7 @@ use pelage::reference::hash::random;
 use pelage::reference::noise::Field;
 use pelage::reference::shell::{Located, Place, Shell};
 use pelage::reference::undercoat::{Undercoat, extinction};
-use pelage::{Scene, World, groom};
+use pelage::{World, groom};
 use std::f32::consts::TAU;
 
 /// A fur of few thick hairs: optical depths are those of many thin ones.
@@ -20,8 +20,7 @@ fn furry(mesh: &str, coat: &str) -> World {
         "[mesh]\n{mesh}\n[guard]\ncomb_direction = [1, 0, 0]\n[render]\nfur = \"implicit\"\nseed = 2\n\
          [undercoat]\ndensity = 3000\ndiameter = [30, 30]\nlayers = 64\nnoise_contrast = 0\nheight_variation = 0\nuv_jitter = 0\n{coat}"
     );
-    let scene = Scene::parse(&text, "test.toml", &[]).expect("a scene");
-    World::load(scene, &Assets::default()).expect("a world")
+    gpu::world(&text)
 }
 
 /// A fur as volume and as hairs.

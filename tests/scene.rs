@@ -1,6 +1,6 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
-use crate::common::{self, Folder};
+use crate::common::{self, Folder, cases};
 use pelage::{
     Error, Scene, SceneFault,
     scene::{self, Blend, Color, Fur, Scalar, Shape, preset},
@@ -367,7 +367,7 @@ fn the_schema_describes_everything() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
     /// Whatever stands in a file, it is read or refused, never a crash.
     #[test]

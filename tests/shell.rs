@@ -1,5 +1,6 @@
 //! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU against it.
 
+use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, world_on};
 use glam::Vec3;
 use pelage::Skin;
@@ -117,6 +118,8 @@ fn rounding_at_grid_vertices_stays_in_range() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn a_cell_holds_its_point(u in 0.0f32..1.0, v in 0.0f32..1.0, d in 0u32..=6) {
         let r = u.sqrt();

@@ -16,13 +16,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
     let gpu = gpu::open()?;
     let world = fur_world(text);
     let packed = groom::pack(&world).unwrap();
-    let (shells, uv): (Shells, Vec<[f32; 2]>) = {
-        let mut of_vertex = vec![[0.0; 2]; world.skin.positions.len()];
-        for (t, uv) in world.skin.triangles.iter().zip(world.skin.corner_uv.as_ref().unwrap()) {
-            (0..3).for_each(|k| of_vertex[t[k] as usize] = uv[k].into());
-        }
-        (world.scene.shells.clone(), of_vertex)
-    };
+    let (shells, uv) = (world.scene.shells.clone(), gpu::vertex_uv(&world.skin));
     let fur = Fur::new(gpu, world, even(source, 6, source == BakeSource::Hybrid), Vec3::new(0.1, -0.2, 0.05));
     let prepared = fur.fur.prepared();
     let layout = prepared.fur;

@@ -16,7 +16,7 @@ fn furry(undercoat: &str, seed: u32) -> pelage::World {
 
 /// Largest difference of the stored volume from the twin's: density, tangent.
 fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
-    let cells: Vec<u32> = fixture.read("cells", fixture.prepared.subelements as usize);
+    let cells = fixture.cells();
     assert_eq!(cells.len(), wanted.len());
     let both = cells.into_iter().map(unpack_medium).zip(wanted);
     both.fold((0.0, 0.0), |(density, tangent), (found, wanted)| {
@@ -29,7 +29,7 @@ fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
 }
 
 fn twin(fixture: &Fixture) -> Vec<Medium> {
-    media(&Undercoat { fur: &fixture.fur, noise: fixture.noise(), shell: &fixture.shell, cells: &[] })
+    media(&fixture.undercoat(&[]))
 }
 
 #[test]
@@ -65,8 +65,7 @@ fn another_seed_is_seen() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = Fixture::new(gpu, furry("subdivision = 2", 3));
     let other = pelage::layout::Fur { seed: 4, ..fixture.fur };
-    let noise = fixture.noise();
-    let wanted = media(&Undercoat { fur: &other, noise, shell: &fixture.shell, cells: &[] });
+    let wanted = media(&Undercoat { fur: &other, ..fixture.undercoat(&[]) });
     let (density, tangent) = differences(&fixture, &wanted);
     assert!(density > 0.05 && tangent > 0.05, "{density} {tangent}");
 }

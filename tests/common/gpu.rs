@@ -13,6 +13,7 @@ use pelage::prepare::Prepared;
 use pelage::reference::groom::Maps;
 use pelage::reference::noise::Field;
 use pelage::reference::shell::Shell;
+use pelage::reference::undercoat::Undercoat;
 use pelage::{Scene, Skin, World, camera};
 use std::sync::OnceLock;
 
@@ -67,6 +68,15 @@ pub fn skin(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Skin {
     Skin { positions, normals, colors, triangles, corner_uv: None, notes: Vec::new() }
 }
 
+/// The uv of each vertex: that of its last corner.
+pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
+    let mut uv = vec![[0.0; 2]; skin.positions.len()];
+    for (triangle, corners) in skin.triangles.iter().zip(skin.corner_uv.iter().flatten()) {
+        (0..3).for_each(|k| uv[triangle[k] as usize] = corners[k].to_array());
+    }
+    uv
+}
+
 /// A bumpy square of `n` x `n` quads, 1 cm a quad, facing +y, its inner vertices displaced.
 pub fn jittered_grid(n: u32, displacement: f32) -> Skin {
     use pelage::reference::hash::random;
@@ -86,6 +96,12 @@ pub fn jittered_grid(n: u32, displacement: f32) -> Skin {
     skin(positions, triangles)
 }
 
+/// The frame of a world's whole film, of one sample a pixel.
+pub fn frame(world: &World) -> Frame {
+    let film = [world.scene.film.width, world.scene.film.height];
+    camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed)
+}
+
 /// A prepared world with what its twins read.
 pub struct Fixture {
     /// The world.
@@ -103,8 +119,7 @@ pub struct Fixture {
 impl Fixture {
     /// Prepares a world.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
-        let film = [world.scene.film.width, world.scene.film.height];
-        let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
+        let frame = frame(&world);
         let prepared = Prepared::new(gpu, &world, &frame, &mut Timings::default()).expect("steps 1 to 3");
         let packed = groom::pack(&world).expect("a groom");
         let fur = prepared.fur;
@@ -132,6 +147,20 @@ impl Fixture {
     /// The groom and its maps.
     pub fn maps(&self) -> Maps<'_> {
         Maps { groom: &self.packed.groom, texels: &self.packed.texels }
+    }
+
+    /// The stored volume; empty where it is evaluated.
+    pub fn cells(&self) -> Vec<u32> {
+        if self.fur.storage == 1 {
+            self.read("cells", self.prepared.subelements as usize)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// The undercoat with the stored volume `cells`, or evaluated where that is empty.
+    pub fn undercoat<'a>(&'a self, cells: &'a [u32]) -> Undercoat<'a> {
+        Undercoat { fur: &self.fur, noise: self.noise(), shell: &self.shell, cells }
     }
 
     /// The noise of the scene's seed.

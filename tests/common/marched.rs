@@ -8,7 +8,6 @@ use pelage::gpu::{Buffer, Gpu, Recorder};
 use pelage::reference::base_raster;
 use pelage::reference::film::{Sample, unpack};
 use pelage::reference::resolve::{Base, Node};
-use pelage::reference::undercoat::Undercoat;
 use pelage::reference::undercoat_march::Scenery;
 
 /// A tile and its world.
@@ -32,11 +31,7 @@ impl Marched {
         let tile = Tile::new(&fixture, film, origin, size, 200 * samples);
         let nodes = fixture.fur.columns * (fixture.fur.levels + 1);
         let source = fixture.read("source", nodes as usize);
-        let cells = if fixture.fur.storage == 1 {
-            fixture.read("cells", fixture.prepared.subelements as usize)
-        } else {
-            Vec::new()
-        };
+        let cells = fixture.cells();
         let more =
             vec![gpu.storage("samples", 7, samples * 32).unwrap(), gpu.storage("lost_rays", 7, 16).unwrap()];
         let made = Self { fixture, tile, source, cells, more };
@@ -47,14 +42,8 @@ impl Marched {
 
     /// What the march reads.
     pub fn scenery(&self) -> Scenery<'_> {
-        let undercoat = Undercoat {
-            fur: &self.fixture.fur,
-            noise: self.fixture.noise(),
-            shell: &self.fixture.shell,
-            cells: &self.cells,
-        };
         Scenery {
-            undercoat,
+            undercoat: self.fixture.undercoat(&self.cells),
             source: &self.source,
             frame: &self.tile.frame,
             coat: &self.fixture.packed.coat_fibre,

@@ -1,7 +1,7 @@
 //! Small furs of shells and fins, with synthetic textures.
 
-use super::gpu::{skin, world_on};
-use glam::{Vec2, Vec3};
+use super::gpu::{self, skin, world_on};
+use glam::Vec3;
 use pelage::bake::{FurTextures, Manifest, Texture};
 use pelage::gpu::Gpu;
 use pelage::gpu::recorder::Timings;
@@ -9,7 +9,7 @@ use pelage::layout::{Frame, ShellVertex};
 use pelage::reference::hash::random;
 use pelage::scene::BakeSource;
 use pelage::shellfin::{Moment, Rows, Shellfins};
-use pelage::{Skin, World, camera};
+use pelage::{Skin, World};
 
 /// A closed body of eight triangles with uv, 2 cm across.
 pub fn octahedron() -> Skin {
@@ -100,8 +100,7 @@ impl Fur<'static> {
     /// Uploads a fur and places its rows. The world lives as long as the test.
     pub fn new(gpu: &'static Gpu, world: World, textures: FurTextures, bend: Vec3) -> Self {
         let world: &'static World = Box::leak(Box::new(world));
-        let film = [world.scene.film.width, world.scene.film.height];
-        let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
+        let frame = gpu::frame(world);
         let mut timings = Timings::default();
         let fur = Shellfins::new(gpu, world, &textures, &frame, &mut timings).expect("a fur");
         let rows = fur.rows(&frame, &Moment { bend }, &mut timings).expect("rows");
