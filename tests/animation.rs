@@ -80,7 +80,8 @@ fn driven_hair_swings_as_the_closed_form_says() {
     let (k, c) = (900.0_f64, 8.0_f64);
     let w = std::f64::consts::TAU * 3.0;
     let force = 1.5 * w * w;
-    // The steady part is p sin(w t) + q cos(w t); the free part makes bend and speed zero at time 0.
+    // The steady part is p sin(w t) + q cos(w t); the free part makes bend and speed zero at time
+    // 0.
     let size = (k - w * w).powi(2) + (c * w).powi(2);
     let (p, q) = (force * (k - w * w) / size, -force * c * w / size);
     let wd = (k - 0.25 * c * c).sqrt();
@@ -164,7 +165,8 @@ fn faults_of_the_table_are_named() {
     assert!(text.contains("animation.motion.axis") && text.contains(":5:"), "{text}");
 }
 
-/// Frames of the command line: numbered files, each like a still with the frame's camera; any range can be rendered again.
+/// Frames of the command line: numbered files, each like a still with the frame's camera; any range
+/// can be rendered again.
 #[test]
 fn frames_are_numbered_and_do_not_depend_on_each_other() {
     let folder = Folder::new();
@@ -190,7 +192,8 @@ fn frames_are_numbered_and_do_not_depend_on_each_other() {
     render(&["--frames", "3..2"]).expect(2, &["--frames", "A..B"]);
 }
 
-/// Wind bends the hair of frames as it bends a picture of the same moment, and no picture of a calm day.
+/// Wind bends the hair of a frame as it bends that of a still at the same time; without wind
+/// nothing is bent.
 #[test]
 fn wind_bends_the_hair_of_frames() {
     let folder = Folder::new();

@@ -21,7 +21,8 @@ fn random(n: u32) -> f32 {
     unit_float(hash(n))
 }
 
-/// Hairs as slightly blurred dots; hair `h` is in all layers below its height, so that layers are alike as in real fur.
+/// Hairs as slightly blurred dots; hair `h` is in all layers below its height, so that layers are
+/// alike as in real fur.
 fn layer(width: u32, height: u32, l: u32, layers: u32) -> Texture {
     let mut texels = vec![[0.0f32; 4]; (width * height) as usize];
     for h in 0..width * height / 12 {
@@ -386,7 +387,8 @@ fn the_manifest_lists_what_is_there() {
     assert_eq!(file.lods.iter().map(|l| l.layers).collect::<Vec<_>>(), [5, 3, 2, 1]);
     let close = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     assert!(close(&file.lods[1].heights, &[0.34, 1.02, 1.53]), "{:?}", file.lods[1].heights);
-    // 5 + 3 + 2 + 1 layers with their guard hairs as two formats, 2 fins as two; 4 levels and a fin as three KTX2.
+    // 5 + 3 + 2 + 1 layers with their guard hairs as two formats, 2 fins as two; 4 levels and a fin
+    // as three KTX2.
     assert_eq!(file.files.len(), 11 * 2 * 2 + 2 * 2 + 5 * 3);
     for f in &file.files {
         let path = folder.path().join(&f.path);

@@ -1,4 +1,5 @@
-//! The makers of textures: what one hair leaves, that the fur's own opacity is kept, that nothing depends on where the torus is cut.
+//! The sources of textures: what one hair contributes, that the fur's opacity is kept, that nothing
+//! depends on where the torus is cut.
 
 use crate::common::on_threads;
 use crate::common::{gpu, worlds};
@@ -20,7 +21,8 @@ fn hair(root: [f32; 2], lean: [f32; 2], height: f32, diameter: f32) -> Hair {
     Hair { root, knots: vec![knot(0.0), knot(1.0)], guard: false }
 }
 
-/// Hairs of all kinds, their roots on a grid fine enough that whole texels can be added without rounding.
+/// Hairs of all kinds, their roots on a grid fine enough that whole texels can be added without
+/// rounding.
 fn thicket(count: u32, shift: [f32; 2]) -> Vec<Hair> {
     (0..count)
         .map(|i| {
@@ -171,7 +173,8 @@ fn the_number_of_threads_does_not_matter() {
 #[test]
 fn layers_are_as_deep_as_the_groom_says() {
     let textures = baked(plain);
-    // Hairs of the undercoat end as the volume's do: 1 - smoothstep(0.75, 1.02, t); they grow thinner towards t = 1.
+    // Hairs of the undercoat end as the volume's do: 1 - smoothstep(0.75, 1.02, t); they grow
+    // thinner towards t = 1.
     let coat = |t: f64| {
         let x = ((t - 0.75) / 0.27).clamp(0.0, 1.0);
         8000.0 * 14e-4 * (1.0 - x * x * (3.0 - 2.0 * x)) * (1.0 - 0.5 * t)

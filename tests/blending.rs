@@ -72,8 +72,8 @@ fn contributions_add_up() {
     }
 }
 
-/// White fur scatters all that it takes out of a light: into any direction at most E / pi^2 of each light (Kajiya-Kay, sine of 1),
-/// the white skin E / pi.
+/// White fur scatters all light that it extinguishes: into any direction at most E / pi^2 of each
+/// light (Kajiya-Kay, sine of 1), the white skin E / pi.
 #[test]
 fn white_undercoat_stays_below_its_bound() {
     let white = |forward: f32| {
@@ -106,11 +106,13 @@ fn white_undercoat_stays_below_its_bound() {
     assert!(most(&film)[0] > bound);
 }
 
-/// Light adds up: an image under two lights is the sum of the images under each, and twice the light is twice the image.
+/// Light adds up: an image under two lights is the sum of the images under each, and twice the
+/// light is twice the image.
 #[test]
 fn light_is_linear() {
-    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings to each node of the lattice, with the
-    // skin's normal for the hairs' tangent: alone it is a key light too, so that the sum also tells how good that is.
+    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings
+    // to each node of the lattice, with the skin's normal for the hairs' tangent: alone it is a key
+    // light too, so that the sum also measures the error of that.
     let third = pelage::scene::DirectionalLight { direction: [0.1, 0.3, 0.9], irradiance: [0.5; 3] };
     let under = |lights: Vec<usize>, factor: f32| {
         blended(Blend::Exact, 1, |s| {
@@ -156,7 +158,8 @@ fn stored_and_evaluated_densities_make_the_same_image() {
     );
 }
 
-/// The light lattice stands for a march towards the light at every step: undercoat alone, for the nested march sees no guard hairs.
+/// The optical-depth lattice replaces a march towards the light at every step. Undercoat alone,
+/// since the nested march sees no guard hairs.
 #[test]
 fn lattice_stands_for_the_nested_march() {
     let lit = |light: LightLookup, density: f32| {

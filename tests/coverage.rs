@@ -1,6 +1,8 @@
-//! Mean opacity of guard hairs against an independent sampler: points of the film, and the ribbons that cover them.
+//! Mean opacity of guard hairs against an independent sampler: points of the film, and the ribbons
+//! that cover them.
 //!
-//! Nothing is shared with the renderer but the strands themselves. `scripts/witness/coverage.py` does the same for exported files.
+//! Nothing is shared with the renderer but the strands themselves. `scripts/witness/coverage.py`
+//! does the same for exported files.
 
 use crate::common::gpu;
 use glam::{DVec2, DVec3};
@@ -8,7 +10,8 @@ use pelage::World;
 use pelage::hair::HairFile;
 use pelage::render::{self, RenderOptions};
 
-/// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the plane.
+/// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the
+/// plane.
 const SCENE: &str = r#"
 [mesh]
 shape = "plane"

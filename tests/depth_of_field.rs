@@ -51,7 +51,8 @@ fn a_point_becomes_a_disc_of_its_circle_of_confusion() {
         (depth_of_field::circle_of_confusion(2.0, 20.0, focal, f32::INFINITY) - 2.0 * focal / 20.0).abs()
             < 1e-4
     );
-    // Alone at its depth, and in front of nothing: the energy is the same, the disc as wide as computed.
+    // Alone at its depth, and in front of nothing: the energy is the same, the disc as wide as
+    // computed.
     for around in [30.0, f32::INFINITY] {
         let mut film = point(30.0);
         let depth = film.plane_mut("depth.Z").unwrap();

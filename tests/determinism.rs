@@ -1,4 +1,5 @@
-//! The same scene, seed and adapter give the same bytes, whatever the tile size, the memory budget and the order of threads.
+//! The same scene, seed and adapter give the same bytes, whatever the tile size, the memory budget
+//! and the order of threads.
 
 use crate::common::worlds::{ball, differing, render};
 use pelage::scene::{Blend, Filter, Fur, Scene};
@@ -75,7 +76,8 @@ fn seed_shows() {
 
 #[test]
 fn budget_does_not_show() {
-    // Coarser than the defaults, so that a small budget still holds it; more hairs, so that tiles overflow.
+    // Coarser than the defaults, so that a small budget still holds it; more hairs, so that tiles
+    // overflow.
     let dense = |memory: u64| {
         with(Blend::Virtual, |s| {
             s.render.memory = memory;
@@ -108,7 +110,8 @@ fn strands_past_the_budget_do_not_show() {
     };
     let roomy = render(&hairy(1 << 30));
     let tight = render(&hairy(20 << 20));
-    // A strand takes a root and for each of seven vertices 24 bytes; three tenths of the budget are for strands.
+    // A strand takes a root and for each of seven vertices 24 bytes; three tenths of the budget are
+    // for strands.
     assert!(roomy.stats.strands * 184 > (20 << 20) * 3 / 10, "all strands fit: nothing was tested");
     assert_eq!(roomy.stats.strands, tight.stats.strands);
     let found = differing(&roomy.film, &tight.film);

@@ -5,7 +5,8 @@ use pelage::render::{Progress, RenderOptions, render_with};
 use pelage::{Error, Scene, World, gpu::Gpu};
 use std::sync::Mutex;
 
-/// Renders and destroys the device under the rendering, `losses` times, each time after a part of the tiles.
+/// Renders and destroys the device under the rendering, `losses` times, each time after a part of
+/// the tiles.
 fn render(losses: usize) -> (pelage::Result<pelage::render::Frame>, usize) {
     let overrides = ["film.width=24", "film.height=16", "render.tile=8"].map(str::to_owned);
     let (scene, assets) = Scene::load(&common::root().join("tests/data/small.toml"), &overrides).unwrap();

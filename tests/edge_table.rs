@@ -11,7 +11,8 @@ use proptest::prelude::*;
 
 const SCENE: &str = "[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
 
-/// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding, a triangle twice.
+/// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding,
+/// a triangle twice.
 fn meshes() -> Vec<(&'static str, Skin)> {
     let tetrahedron = vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
     let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::ONE];
@@ -44,7 +45,8 @@ fn the_gpu_finds_the_same_neighbours() {
     }
 }
 
-/// The table without the check of single owners: the first owner of a reversed key is the neighbour.
+/// The table without the check of single owners: the first owner of a reversed key is the
+/// neighbour.
 fn careless(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let side = |t: &[u32; 3], k: usize| (t[(k + 1) % 3], t[(k + 2) % 3]);
     let owner = |key| triangles.iter().position(|t| (0..3).any(|k| side(t, k) == key));
@@ -76,7 +78,8 @@ proptest! {
         let topology = topology::neighbours(&triangles);
         let table = neighbours(&triangles);
         prop_assert!(symmetric(&table));
-        // The two tables differ where more than two triangles share an undirected edge but each directed key has one owner: never.
+        // The two tables differ where more than two triangles share an undirected edge but each
+        // directed key has one owner: never.
         prop_assert_eq!(&table, &topology.neighbours);
         let open = table.iter().flatten().filter(|n| **n == NONE).count();
         // Each inner edge has two sides.

@@ -1,4 +1,5 @@
-//! Scenes for other renderers: what is written is read back by hand and compared with what this program renders.
+//! Scenes for other renderers: what is written is read back by hand and compared with what this
+//! program renders.
 
 use crate::common::{Folder, pelage};
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
@@ -39,7 +40,8 @@ fn world(more: &[String]) -> World {
     World::load(scene, &Assets::default()).expect("the world loads")
 }
 
-/// Guard hairs, the second of which lacks its middle segment, and undercoat of one segment that all has one colour.
+/// Guard hairs, the second of which lacks its middle segment, and undercoat of one segment that all
+/// has one colour.
 fn strands() -> Vec<Strands> {
     let hair = |i: u32, present| Hair {
         color_root: Vec3::new(0.1, 0.2, 0.3) * (i + 1) as f32,
@@ -100,7 +102,8 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     rest.split_once(end).unwrap_or_else(|| panic!("no {end:?} after {start:?}")).0
 }
 
-/// Elements of an XML text as (name, attributes); panics where tags do not match or an attribute has no quotes.
+/// Elements of an XML text as (name, attributes); panics where tags do not match or an attribute
+/// has no quotes.
 fn elements(xml: &str) -> Vec<(String, String)> {
     let mut rest = xml;
     let (mut open, mut found) = (Vec::new(), Vec::new());
@@ -358,7 +361,7 @@ fn deviations_are_listed() {
     }
 }
 
-/// The centre of pbrt's map is +z, and each texel looks the way that the scene's map does.
+/// The centre of pbrt's map is +z, and each texel has the direction that it has in the scene's map.
 #[test]
 fn a_map_keeps_its_directions() {
     let folder = Folder::new();
@@ -433,7 +436,8 @@ fn the_command_prints_counts_and_sizes() {
     assert!(Path::new(&place).join("scene.xml").is_file());
 }
 
-/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the pieces of the undercoat that are there.
+/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the
+/// pieces of the undercoat that are there.
 #[test]
 fn hairs_of_chiangs_model_keep_their_material() {
     let model = "{ model = 'chiang', roughness = [0.25, 0.4], tilt = -3, ior = 1.45 }";
@@ -468,7 +472,8 @@ fn hairs_of_chiangs_model_keep_their_material() {
         curves_text.trim().split("\n\n").map(|c| Vec4::from_slice(&numbers(c)[4..])).collect();
     let expected = [0, 2, 4, 6].map(|i| all[1].points[i]);
     assert_eq!(starts, expected, "segments 0 and 2 of both hairs");
-    // Texels from the last to the first: colours in the middle of the part of a segment that one stands for.
+    // Texels from the last to the first: colours in the middle of the part of a segment that one
+    // stands for.
     let texels = |name: &str, from: usize| -> Vec<Vec3> {
         let bytes = std::fs::read(folder.path().join(name)).unwrap();
         let floats: Vec<f32> =

@@ -1,12 +1,14 @@
 //! Faults from outside, seen from outside: the exit code, the message, and the files left behind.
 //!
-//! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering` renders.
+//! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering`
+//! renders.
 
 use crate::common::{self, Folder, Run, command, pelage, pelage_without_adapter, run};
 
 const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
 
-/// Renders a scene text that must be refused with exit code 3, and looks that the old image stays as it was.
+/// Renders a scene text that must fail with exit code 3, and checks that the old image is
+/// unchanged.
 fn refused(text: &str, args: &[&str], parts: &[&str]) -> Run {
     let folder = Folder::new();
     let scene = folder.write("scene.toml", text);
@@ -290,7 +292,7 @@ mod rendering {
     use super::*;
     use std::time::Duration;
 
-    /// What there is to see in a moment.
+    /// A rendering that is soon done.
     const SMALL: [&str; 5] = ["render", "tests/data/small.toml", "--size", "32x20", "--quiet"];
 
     fn is_whole_png(path: &str) -> bool {

@@ -1,4 +1,5 @@
-//! The glTF of a fur: what is in the buffer, read back by its accessors, and what is refused.
+//! The glTF of a fur: what is in the buffer, read back by its accessors, and what fails with an
+//! error.
 
 use crate::common::Folder;
 use crate::common::gpu::{self, world};
@@ -42,7 +43,7 @@ fn textures() -> FurTextures {
     }
 }
 
-/// Two patches: faces that look to +x and the others, each flattened by leaving a coordinate out.
+/// Two patches: faces that face +x and the others, each flattened by leaving a coordinate out.
 fn lapped(world: &World) -> Lapped {
     let skin = &world.skin;
     let corner_uv = (0..skin.triangles.len()).map(|t| {
@@ -150,7 +151,8 @@ fn corners_read_back_are_those_of_skin_and_patches() {
                 }
             }
         }
-        // Vertices are shared inside a patch: fewer than corners, more than the skin's where patches meet.
+        // Vertices are shared inside a patch: fewer than corners, more than the skin's where
+        // patches meet.
         assert!(
             positions.len() < 2 * world.skin.positions.len() && positions.len() >= world.skin.positions.len()
         );
@@ -270,7 +272,8 @@ fn the_renderer_draws_what_is_written() {
             for i in 0..clothed.positions.len() {
                 let [x, y, z, _] = places[r * vertices + clothed.origin[i] as usize];
                 let place = clothed.positions[i] + hair(&clothed, i, row.height);
-                // The renderer keeps the length at every height, the curve at its tip: a difference of second order in the bend.
+                // The renderer keeps the length at every height, the curve at its tip: a difference
+                // of second order in the bend.
                 assert!(place.distance(Vec3::new(x, y, z)) < 1e-2, "{source:?} row {r} vertex {i}: {place}");
                 lowered += usize::from(clothed.hairs[i][2].dot(clothed.upright[i]) < 2.0);
             }

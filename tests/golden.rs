@@ -28,7 +28,8 @@ const PICTURES: &[(&str, &str, &[&str])] = &[
 const COMMON: &[&str] =
     &["film.width=160", "film.height=100", "film.spp=4", "undercoat.cell=0.08", "undercoat.layers=12"];
 
-/// Drivers differ in the last bits, and where a hair just covers a sample or not; fur that is lit or placed differently is past these.
+/// Drivers differ in the last bits, and where a hair just covers a sample or not; fur that is lit
+/// or placed differently is past these.
 const LIMITS: Thresholds = Thresholds {
     rmse: Some(0.012),
     flip: Some(0.03),

@@ -55,7 +55,8 @@ fn agreement(gpu: &'static Gpu, edit: impl FnOnce(&mut Scene), fibre_factor: f32
 #[test]
 fn shades_agree_with_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    // At the border of a lattice cell single precision may choose the other side: continuous, but not to the last digit.
+    // At the border of a lattice cell single precision may choose the other side: continuous, but
+    // not to the last digit.
     assert!(agreement(gpu, |_| (), 1.0, 2e-3) > 0.995);
 }
 

@@ -94,7 +94,8 @@ fn thinning_follows_the_map() {
         skin_point(&fixture.shell, r.prism, Vec3::new(1.0 - l1 - l2, l1, l2)).uv.x
     };
     assert!(!found.iter().any(|r| u(r) < 0.45 && u(r) > 0.05), "roots where the map is bald");
-    // The density rises evenly from the middle on: three quarters of the hairs stand in the last quarter.
+    // The density rises evenly from the middle on: three quarters of the hairs stand in the last
+    // quarter.
     let part = |low: f32, high: f32| found.iter().filter(|r| (low..high).contains(&u(r))).count() as f32;
     let share = part(0.75, 0.95) / part(0.55, 0.95);
     close_to(share, (0.9f32.powi(2) - 0.5f32.powi(2)) / (0.9f32.powi(2) - 0.1f32.powi(2)), 0.04);
@@ -121,7 +122,8 @@ fn roots_are_uniform_in_their_triangles() {
     let lambdas: Vec<Vec3> =
         found.iter().map(|r| Vec3::new(1.0 - r.lambda[0] - r.lambda[1], r.lambda[0], r.lambda[1])).collect();
     assert!(lambdas.iter().all(|l| l.min_element() > -1e-6));
-    // 63 degrees of freedom: 0.1% of random points exceed 103; the recurrence is more even than random points.
+    // 63 degrees of freedom: 0.1% of random points exceed 103; the recurrence is more even than
+    // random points.
     assert!(chi_square(&lambdas) < 103.0, "{}", chi_square(&lambdas));
     // Without the square root points gather at corner 0.
     let gathered: Vec<Vec3> = lambdas

@@ -27,7 +27,8 @@ fn made(skin: &Skin, scene: &Scene, name: &str) -> Lapped {
     lapped
 }
 
-/// The map from a face to uv: u and v for the face's directions `s` and normal × `s`; `None` for a needle.
+/// The map from a face to uv: u and v for the face's directions `s` and normal × `s`; `None` for a
+/// needle.
 fn jacobian(corners: [DVec3; 3], uv: &[Vec2; 3], s: DVec3) -> Option<[DVec2; 2]> {
     let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
     let longest = a.length().max(b.length()).max(a.distance(b));
@@ -309,7 +310,7 @@ fn gravity_and_comb_follow_their_direction() {
         assert!(n.y.abs() > 0.9 || gravity.field[f].dot(down) > 0.99, "{f}: {}", gravity.field[f]);
         assert!(combed.field[f].distance(gravity.field[f]) < 1e-5);
     }
-    // A level skin has no way down and is covered all the same.
+    // On a level skin no direction points down; it is covered all the same.
     made(&shape(Shape::Plane), &scene(|s| s.field = FieldSource::Gravity), "level");
 }
 

@@ -73,7 +73,8 @@ fn the_energies_of_regions_are_even() {
         assert_eq!(lights.len(), n as usize);
         let energies: Vec<f32> = lights.iter().map(|l| luminance(l.irradiance)).collect();
         let (low, high) = energies.iter().fold((f32::MAX, 0f32), |(l, h), e| (l.min(*e), h.max(*e)));
-        // Halving the largest: no region has more than twice the energy of another, but for whole columns.
+        // Halving the largest: no region has more than twice the energy of another, but for whole
+        // columns.
         assert!(high / low < 2.2, "{n}: {low} {high}");
     }
 }
@@ -89,7 +90,8 @@ fn the_whole_sphere_is_four_pi() {
         assert!((sum(&lights) / four_pi - DVec3::new(1.0, 2.0, 0.5)).abs().max_element() < 1e-6);
         assert!(lights.iter().all(|l| (l.direction.length() - 1.0).abs() < 1e-6));
         if n >= 16 {
-            // Spread: the closest pair is nearly as far apart as n equal caps allow, the mean is near the centre.
+            // Spread: the closest pair is nearly as far apart as n equal caps allow, the mean is
+            // near the centre.
             let mean = lights.iter().map(|l| l.direction).sum::<Vec3>() / n as f32;
             let closest = (0..lights.len())
                 .flat_map(|i| (0..i).map(move |j| (i, j)))
@@ -159,7 +161,8 @@ fn turning_the_map_turns_the_lights() {
     }
     let expected = map.total() * DVec3::new(2.0, 1.0, 0.5);
     assert!(((sum(&still) - expected) / expected).abs().max_element() < 1e-6);
-    // The same as shifting the columns: 64 columns make a full turn, to the left for a positive one.
+    // The same as shifting the columns: 64 columns make a full turn, to the left for a positive
+    // one.
     let shifted = Panorama {
         texels: (0..64 * 32).map(|i| map.texels[i / 64 * 64 + (i % 64 + 16) % 64]).collect(),
         ..map.clone()
@@ -268,7 +271,8 @@ fn real_maps_keep_their_energy_and_find_the_sun() {
 
 #[test]
 fn no_two_lights_are_the_same_to_the_fur() {
-    // A sun of one degree in a smooth sky: every cut goes through it, yet it stays one light and the sky gets 15.
+    // A sun of one degree in a smooth sky: every cut goes through it, yet it stays one light and
+    // the sky gets 15.
     let mut map = sky(720, 360, 1.0);
     let sun = map.direction_of([400.0, 100.0]);
     for i in 0..map.texels.len() {

@@ -1,4 +1,4 @@
-//! Maps of the groom: which are loaded, how they are looked up, what is refused.
+//! Maps of the groom: which are loaded, how they are looked up, which fail with an error.
 
 use glam::{Vec2, Vec3};
 use pelage::assets::Assets;

@@ -190,7 +190,8 @@ fn winding_is_made_consistent_and_outward() {
     for turned in [(|_| true) as fn(usize) -> bool, |t| t % 3 == 0, |t| t == 7] {
         let skin = inside_out(turned);
         let sorted = |skin: &Skin| {
-            // Corners rotate with the vertex that was not swapped; compare as cycles from the smallest.
+            // Corners rotate with the vertex that was not swapped; compare as cycles from the
+            // smallest.
             skin.triangles
                 .iter()
                 .map(|t| {
@@ -202,7 +203,8 @@ fn winding_is_made_consistent_and_outward() {
         assert_eq!(sorted(&skin), sorted(&good));
         assert!(skin.notes.iter().any(|n| n.contains("turned over")), "{:?}", skin.notes);
     }
-    // A Möbius band cannot be wound consistently: one seam of opposite winding remains, as a boundary.
+    // A Möbius band cannot be wound consistently: one seam of opposite winding remains, as a
+    // boundary.
     let n = 20;
     let at = |i: u32, s: f32| {
         let a = std::f32::consts::TAU * i as f32 / n as f32;
@@ -353,7 +355,8 @@ fn obj_round_trip() {
     assert!(error.to_string().contains("hat.obj"), "{error}");
 }
 
-/// The files of the assets' folder with the counts stated there: vertices used, triangles with area, boundary edges.
+/// The files of the assets' folder with the counts stated there: vertices used, triangles with
+/// area, boundary edges.
 #[test]
 fn assets_load_with_their_counts() {
     let Some(folder) = assets() else { return };

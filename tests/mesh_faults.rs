@@ -152,7 +152,8 @@ fn weights_colours_and_missing_uv_are_read_with_a_note() {
     assert_eq!(mesh.repairs.len(), 2, "{:?}", mesh.repairs);
 }
 
-/// The area of a polygon in the plane z = 0, and that of its triangles: equal, if they cover it without overlap.
+/// The area of a polygon in the plane z = 0, and that of its triangles: equal, if they cover it
+/// without overlap.
 fn areas(corners: &[Vec2]) -> (f32, f32, Mesh) {
     let n = corners.len();
     let own: f32 = (0..n).map(|i| corners[i].perp_dot(corners[(i + 1) % n])).sum::<f32>() / 2.0;

@@ -17,7 +17,8 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     output[id.x] = vec2f(simplex2(p.xy), simplex3(p));
 }";
 
-/// Largest difference of the GPU's noise for a seed from the crate's for another: in the plane, in space.
+/// Largest difference of the GPU's noise for a seed from the crate's for another: in the plane, in
+/// space.
 fn differences(gpu: &pelage::gpu::Gpu, seed: u32, seed_of_oracle: u32) -> (f32, f32) {
     let point = |s: u32| Vec3::new(random(s, 0), random(s, 1), random(s, 2)) * 60.0 - 30.0;
     let mut input: Vec<[f32; 4]> = (0..20_000).map(|s| point(s).extend(0.0).to_array()).collect();

@@ -68,7 +68,8 @@ fn case(i: u32) -> Case {
     Case { start, end, radii, normals: [tilt(14), tilt(16)], origin: through - back * direction, direction }
 }
 
-/// Cases that disagree by more than the step of the sampling, of `n`; `wrong` spoils the solved radii.
+/// Cases that disagree by more than the step of the sampling, of `n`; `wrong` spoils the solved
+/// radii.
 fn disagreements(n: u32, wrong: f32) -> (u32, u32) {
     const STEPS: u32 = 6000;
     let range = [-1.0, 6.0];

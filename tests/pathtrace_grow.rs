@@ -120,7 +120,8 @@ fn thinning_follows_the_density_map() {
     assert!((share - wanted).abs() < 0.015, "{share} is not {wanted}");
 }
 
-/// Variance over mean of the numbers of points in 40 x 40 cells of the square: 1 for a Poisson process.
+/// Variance over mean of the numbers of points in 40 x 40 cells of the square: 1 for a Poisson
+/// process.
 fn dispersion(points: &[Vec3], side: f32) -> f64 {
     const N: usize = 40;
     let mut cells = vec![0.0f64; N * N];
@@ -154,8 +155,8 @@ fn mean_density(world: &World) -> f64 {
     (0..1000).map(|k| f64::from(at(k))).sum::<f64>() / 1000.0
 }
 
-/// Transmittance of the slab's hairs over 120,000 rays at `degrees` from the normal, and that of Beer and Lambert with the extinction
-/// times `factor`.
+/// Transmittance of the slab's hairs over 120,000 rays at `degrees` from the normal, and that of
+/// Beer and Lambert with the extinction times `factor`.
 fn slab(world: &World, strands: &Strands, degrees: f32, factor: f64) -> [f64; 2] {
     const RAYS: u32 = 120_000;
     let coat = &world.scene.undercoat;
@@ -195,8 +196,8 @@ fn even_slab_follows_beer_and_lambert() {
     }
 }
 
-/// Chi-square per cell of the hairs that cross height `t` in cells of a millimetre of a square of 2 x 2 cm, and their number, against
-/// the volume's density there; and both numbers.
+/// Chi-square per cell of the hairs that cross height `t` in cells of a millimetre of a square of 2
+/// x 2 cm, and their number, against the volume's density there; and both numbers.
 fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3] {
     const N: usize = 20;
     let packed = groom::pack(world).expect("a groom");

@@ -1,5 +1,5 @@
-//! Time and memory of the path tracer for dense undercoat. PELAGE_HAIRS=1000000 measures more hairs than the usual 60,000,
-//! PELAGE_LEAN their lean.
+//! Time and memory of the path tracer for dense undercoat. PELAGE_HAIRS=1000000 measures more hairs
+//! than the usual 60,000, PELAGE_LEAN their lean.
 
 use crate::common::alone;
 use crate::common::hairs::*;

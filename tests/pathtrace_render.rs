@@ -1,4 +1,5 @@
-//! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the command.
+//! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the
+//! command.
 
 use crate::common::hairs::*;
 use crate::common::{Folder, on_threads, pelage};

@@ -55,7 +55,8 @@ impl Both {
         })
     }
 
-    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: without the hairs' crowding, and as it is.
+    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: without the hairs'
+    /// crowding, and as it is.
     fn march(&self, x: Vec3, w: Vec3, length: f32) -> [f64; 2] {
         const STEP: f32 = 0.01;
         let coat = Undercoat { fur: &self.fur, noise: Field::new(2), shell: &self.shell, cells: &[] };
@@ -73,7 +74,8 @@ impl Both {
         sums
     }
 
-    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the volume without the crowding, and as it is.
+    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the
+    /// volume without the crowding, and as it is.
     fn depths(&self, w: Vec3, starts: &[Vec3], length: f32, kept: impl Fn(Vec3) -> bool) -> [f64; 3] {
         let beam = Beam::new(w);
         let rays: Vec<Vec2> = starts.iter().map(|x| beam.across(*x)).collect();
@@ -100,13 +102,15 @@ fn report(what: &str, [hairs, volume, crowded]: [f64; 3], tolerance: f64) {
     assert!((crowded / hairs - 1.0).abs() < tolerance, "{what}: {crowded} is not {hairs}");
 }
 
-/// Rays through a slab of 5 x 5 cm: `degrees` from the normal, towards `azimuth` degrees from the lean.
+/// Rays through a slab of 5 x 5 cm: `degrees` from the normal, towards `azimuth` degrees from the
+/// lean.
 fn slab(both: &Both, height: f32, degrees: f32, azimuth: f32) -> [f64; 3] {
     let (angle, azimuth) = (degrees.to_radians(), azimuth.to_radians());
     let across = Vec3::new(azimuth.cos(), 0.0, azimuth.sin());
     let w = across * angle.sin() - Vec3::Y * angle.cos();
     let way = height / angle.cos();
-    // About the middle of the square, half a centimetre from its border where the hairs lean out or are missing.
+    // About the middle of the square, half a centimetre from its border where the hairs lean out or
+    // are missing.
     let starts: Vec<Vec3> = (0..20_000)
         .map(|k| {
             let [x, z] = [random(k, 1), random(k, 2)].map(|u| 2.4 * (u - 0.5));

@@ -85,7 +85,8 @@ fn virtual_agrees_with_its_twin() {
     assert!(agreement(Blend::Virtual, 1e-3) > 0.999);
 }
 
-/// Words of the list buffer: `lists` with their nodes linked in the order given, all nodes strewn over the buffer by `seed`.
+/// Words of the list buffer: `lists` with their nodes linked in the order given, all nodes strewn
+/// over the buffer by `seed`.
 fn words(lists: &[Vec<Node>], seed: u32) -> Vec<u32> {
     let all: Vec<(usize, &Node)> =
         lists.iter().enumerate().flat_map(|(i, l)| l.iter().map(move |n| (i, n))).collect();

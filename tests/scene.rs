@@ -369,7 +369,7 @@ fn the_schema_describes_everything() {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// Whatever stands in a file, it is read or refused, never a crash.
+    /// Any file is read or fails with an error; none crashes the parser.
     #[test]
     fn damaged_files_are_refused(at in 0_usize..600, length in 0_usize..20, noise in "[ -~\\n\u{e9}]{0,12}") {
         let mut text = std::fs::read_to_string(common::root().join("scenes/default.toml")).unwrap();

@@ -1,4 +1,5 @@
-//! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU against it.
+//! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU
+//! against it.
 
 use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, world_on};
@@ -98,7 +99,8 @@ fn rounding_at_grid_vertices_stays_in_range() {
         let ids = 1i32 << (2 * d);
         for (a, b) in (0..=n).flat_map(|a| (0..=n - a).map(move |b| (a, b))) {
             let exact = [a, b, n - a - b].map(|x| x as f32 / n as f32);
-            // The last units in the last place on both sides of a grid vertex, and points along the grid's lines.
+            // The last units in the last place on both sides of a grid vertex, and points along the
+            // grid's lines.
             for k in 0..343 {
                 let nudge = [k % 7, k / 7 % 7, k / 49];
                 let lambda = Vec3::from([0, 1, 2].map(|i| exact[i] + (nudge[i] - 3) as f32 * 3e-8));

@@ -1,4 +1,4 @@
-//! `shell_lattice` against its twin, and the geometry of the light lattice.
+//! `shell_lattice` against its twin, and the geometry of the optical-depth lattice.
 
 use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use bytemuck::Zeroable;

@@ -91,7 +91,8 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     Some(found.zip(picture.draw()).map(|((color, z), pixel)| (color, z, pixel)).collect())
 }
 
-/// Share of the samples that agree, of those not at an edge, and the number of these that show fur beyond the skin.
+/// Share of the samples that agree, of those not at an edge, and the number of these that show fur
+/// beyond the skin.
 fn agreement(samples: &[(Vec4, f32, Pixel)], tolerance: f32) -> (f64, usize) {
     let clear: Vec<_> = samples.iter().filter(|(_, _, pixel)| pixel.margin > 0.02).collect();
     let good = clear.iter().filter(|(color, z, pixel)| {

@@ -1,4 +1,5 @@
-//! `shellfin_rows` against its twin: where hairs pass the rows above the skin, and how they are lit there.
+//! `shellfin_rows` against its twin: where hairs pass the rows above the skin, and how they are lit
+//! there.
 
 use crate::common::gpu;
 use crate::common::shellfins::{Fur, even, fur_world};
@@ -11,7 +12,8 @@ use pelage::reference::shellfin_rows::{Hair, RowVertex, unpack};
 use pelage::scene::{BakeSource, Scalar, Shells};
 use pelage::shellfin::{FIN_ROWS, levels, rows};
 
-/// Rows of a scene as the GPU places them and as the twin does, with `disturb` applied to the twin's fibre.
+/// Rows of a scene as the GPU places them and as the twin does, with `disturb` applied to the
+/// twin's fibre.
 fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<Vec<(RowVertex, RowVertex)>> {
     let gpu = gpu::open()?;
     let world = fur_world(text);
@@ -156,7 +158,8 @@ fn nothing_jumps_between_levels() {
             let distance = 8.0 * 2f32.powi(doubling);
             let (near, far) = (at(distance * (1.0 - 1e-4), layers), at(distance, layers));
             for (height, _, coarse, blend) in near {
-                // Nearly at the coarser level: what stays stands where the coarse layer stands, the rest is gone.
+                // Nearly at the coarser level: what stays stands where the coarse layer stands, the
+                // rest is gone.
                 if blend > 0.0 && coarse != pelage::skin::NONE {
                     assert!(blend > 0.999);
                     let same = far.iter().find(|f| f.1 == coarse).expect("the coarse layer");

@@ -1,5 +1,5 @@
-//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function from texts to
-//! complaints, so that it is also tried on texts that break it.
+//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function
+//! from texts to complaints, so that it is also tried on texts that break it.
 
 use crate::common::root;
 use std::collections::BTreeSet;
@@ -59,6 +59,23 @@ fn sources() -> Vec<Source> {
     }
     found.sort_by(|a, b| a.path.cmp(&b.path));
     found
+}
+
+/// A rule whose folder has moved finds no file, and so nothing wrong.
+#[test]
+fn rules_find_their_files() {
+    let sources = sources();
+    for (folder, extension, least) in [
+        ("src/", ".rs", 150),
+        ("src/passes/", ".rs", 20),
+        ("src/reference/", ".rs", 20),
+        ("shaders/", ".wgsl", 40),
+        ("shaders/shared/", ".wgsl", 10),
+        ("tests/", ".rs", 60),
+    ] {
+        let found = sources.iter().filter(|s| s.is(folder, extension)).count();
+        assert!(found >= least, "{found} files {folder}*{extension}, expected {least} or more");
+    }
 }
 
 fn assert_none(complaints: Vec<String>) {
@@ -323,7 +340,8 @@ fn files_are_short() {
     assert_none(long.map(|(lines, path)| format!("{path}: {lines} lines, more than {MOST}")).collect());
 }
 
-/// A Rust file that no `mod` declares is not compiled, and nobody notices: a test in it never fails.
+/// A Rust file that no `mod` declares is not compiled, and nobody notices: a test in it never
+/// fails.
 fn module_complaints(sources: &[Source]) -> Vec<String> {
     let mut complaints = Vec::new();
     for s in sources.iter().filter(|s| s.is("src/", ".rs") || s.is("tests/", ".rs")) {

@@ -12,8 +12,9 @@ const DIAMETER: f32 = 15.0;
 const HEIGHT: f32 = 0.3;
 const LAYERS: u32 = 32;
 
-/// Optical depth of upright hairs in a slab, seen at `angle` from the normal: n d sin(angle) over a path of H / cos(angle), times
-/// the mean of the density over the layers, which falls at the hairs' ends.
+/// Optical depth of upright hairs in a slab, seen at `angle` from the normal: n d sin(angle) over a
+/// path of H / cos(angle), times the mean of the density over the layers, which falls at the hairs'
+/// ends.
 fn optical_depth(world: &World, angle: f64) -> f64 {
     let packed = pelage::groom::pack(world).expect("a groom");
     let shell = Shell::default();
@@ -25,14 +26,15 @@ fn optical_depth(world: &World, angle: f64) -> f64 {
     f64::from(DENSITY) * f64::from(DIAMETER) * 1e-4 * f64::from(HEIGHT) * angle.tan() * mean
 }
 
-/// Largest and mean difference of the transmittance in the image of a slab seen at `degrees`, and the range of transmittances;
-/// the expected optical depth is multiplied by `factor`.
+/// Largest and mean difference of the transmittance in the image of a slab seen at `degrees`, and
+/// the range of transmittances; the expected optical depth is multiplied by `factor`.
 fn error(degrees: f32, factor: f64) -> (f64, f64, [f64; 2]) {
     let irradiance = 3.0;
     let world = square(|s| {
         s.render.fur = Fur::Implicit;
         s.lights = vec![DirectionalLight { direction: [0.0, 1.0, 0.0], irradiance: [irradiance; 3] }];
-        // All that is scattered goes on: the skin is lit as if it were bare, and shows the transmittance to the eye.
+        // All that is scattered goes on: the skin is lit as if it were bare, and shows the
+        // transmittance to the eye.
         s.undercoat.forward_scattering = 1.0;
         s.undercoat.color_root = [1.0; 3].into();
         s.undercoat.color_tip = [1.0; 3].into();

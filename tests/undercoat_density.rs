@@ -4,7 +4,8 @@ use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage::reference::undercoat::{DENSITY_RANGE, Medium, Undercoat, pack_medium, unpack_medium};
 use pelage::reference::{hash, undercoat_density::media};
 
-/// Half a diagonal step of the octahedral map of ten bits, where it stretches most: sqrt(2) / 1023 x 3.
+/// Half a diagonal step of the octahedral map of ten bits, where it stretches most: sqrt(2) / 1023
+/// x 3.
 const TANGENT_STEP: f32 = 4.2e-3;
 
 fn furry(undercoat: &str, seed: u32) -> pelage::World {

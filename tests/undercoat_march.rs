@@ -42,7 +42,8 @@ fn agreement(world: World) -> (f64, usize) {
             continue;
         }
         seen += 1;
-        // A step at the border of a subelement may read its neighbour: then the sample's opacity still agrees on the whole.
+        // A step at the border of a subelement may read its neighbour: then the sample's opacity
+        // still agrees on the whole.
         let same = found.len() == wanted.len()
             && found.iter().zip(&wanted).all(|(a, b)| {
                 worst = worst.max((a.color - b.color).abs().max_element().min(0.01));

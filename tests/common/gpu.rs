@@ -1,4 +1,4 @@
-//! Worlds, buffers and small shaders for the tests that hold the passes against their twins.
+//! Worlds, buffers and small shaders for the tests that compare the passes with their CPU twins.
 
 use bytemuck::Pod;
 use glam::{Vec2, Vec3};
@@ -17,7 +17,8 @@ use pelage::reference::undercoat::Undercoat;
 use pelage::{Scene, Skin, World, camera};
 use std::sync::OnceLock;
 
-/// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a failure.
+/// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a
+/// failure.
 pub fn open() -> Option<&'static Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
     match GPU.get_or_init(|| Gpu::open().map_err(|e| e.to_string())) {
@@ -201,7 +202,8 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity`
+    /// fragments.
     pub fn new(fixture: &Fixture, film: [u32; 2], origin: [i32; 2], size: [u32; 2], capacity: u64) -> Self {
         let gpu = fixture.prepared.gpu;
         let scene = &fixture.world.scene;
@@ -321,8 +323,9 @@ impl Tile {
     }
 }
 
-/// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads `input` (binding 50)
-/// and writes `output` (binding 51); `more` are further buffers by binding. Returns `count` elements of `output`.
+/// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads
+/// `input` (binding 50) and writes `output` (binding 51); `more` are further buffers by binding.
+/// Returns `count` elements of `output`.
 pub fn evaluate<I: Pod, O: Pod>(
     gpu: &Gpu,
     code: &str,

@@ -32,7 +32,8 @@ pub fn straight(from: Vec3, to: Vec3, radius: f32, segments: usize) -> Vec<Vec4>
     (0..=segments).map(|k| from.lerp(to, k as f32 / segments as f32).extend(radius)).collect()
 }
 
-/// Bent, tapered hairs that grow from a square of `side` cm about the origin, `count` of them, `length` cm high.
+/// Bent, tapered hairs that grow from a square of `side` cm about the origin, `count` of them,
+/// `length` cm high.
 pub fn coat(
     count: u32,
     side: f32,
@@ -57,7 +58,8 @@ pub fn coat(
     points
 }
 
-/// A world whose skin is a small square far below everything, without lights: `edit` adds them and the camera.
+/// A world whose skin is a small square far below everything, without lights: `edit` adds them and
+/// the camera.
 pub fn empty_world(edit: impl FnOnce(&mut Scene)) -> World {
     let mut scene = Scene::default();
     scene.mesh.shape = Some(Shape::Plane);

@@ -1,4 +1,4 @@
-//! A world's light lattice with what its twins read.
+//! A world's optical-depth lattice with what its CPU twins read.
 
 use super::gpu::{self, Fixture};
 use pelage::World;

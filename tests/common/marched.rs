@@ -1,4 +1,4 @@
-//! A tile of a small world through steps 4 to 7, with what the twins of these steps read.
+//! A tile of a small world through steps 4 to 7, with what the CPU twins of these steps read.
 
 use super::gpu::{self, Fixture, Tile};
 use glam::Vec4;
@@ -16,7 +16,7 @@ pub struct Marched {
     pub fixture: Fixture,
     /// The tile.
     pub tile: Tile,
-    /// The light lattice as the march reads it.
+    /// The lattice's source terms as the march reads them.
     pub source: Vec<[u32; 4]>,
     /// The stored volume.
     pub cells: Vec<u32>,
@@ -24,7 +24,8 @@ pub struct Marched {
 }
 
 impl Marched {
-    /// The tile of `size` samples at `origin` of a film of `film` samples; skin and entries are drawn.
+    /// The tile of `size` samples at `origin` of a film of `film` samples; skin and entries are
+    /// drawn.
     pub fn new(gpu: &'static Gpu, world: World, film: [u32; 2], origin: [i32; 2], size: [u32; 2]) -> Self {
         let fixture = Fixture::new(gpu, world);
         let samples = u64::from(size[0] * size[1]);

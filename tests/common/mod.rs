@@ -1,4 +1,4 @@
-//! Runs the real command and looks at what it leaves behind.
+//! What several tests need: the real command and what it leaves behind, temporary folders, assets.
 
 pub mod beams;
 pub mod films;
@@ -72,8 +72,8 @@ pub fn pelage_without_adapter<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     run(command().env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args))
 }
 
-/// Runs `body`, the whole of the test that this program calls `name`, in a process of its own: what the process measures
-/// of itself is then not mixed with the tests that run beside it.
+/// Runs `body`, the whole of the test that this program calls `name`, in a process of its own: what
+/// the process measures of itself is then not mixed with the tests that run beside it.
 pub fn alone(name: &str, body: impl FnOnce()) {
     const ALONE: &str = "PELAGE_TEST_ALONE";
     if std::env::var_os(ALONE).is_some() {

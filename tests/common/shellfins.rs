@@ -33,7 +33,8 @@ pub fn fur_world(text: &str) -> World {
     world_on(&format!("{head}{text}"), Some(octahedron()), Vec::new())
 }
 
-/// Textures of `layers` layers: `texel(layer, u, v, guard)` gives linear premultiplied RGBA. The fin is that of layer `layers`.
+/// Textures of `layers` layers: `texel(layer, u, v, guard)` gives linear premultiplied RGBA. The
+/// fin is that of layer `layers`.
 pub fn textures(
     source: BakeSource,
     layers: u32,
