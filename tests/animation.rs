@@ -1,18 +1,15 @@
 //! Frames, and the spring that hair hangs on, against closed forms.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use glam::{DVec3, Vec3};
-use pelage::{
-    Scene, World, animation,
-    assets::Assets,
-    dynamics::{self, Spring},
-    film,
-    render::{self, RenderOptions},
-    scene::{Dynamics, Motion},
-    shellfin::Pose,
-};
+use pelage_core::assets::Assets;
+use pelage_core::scene::{Dynamics, Motion};
+use pelage_core::{Scene, World, animation, film};
+use pelage_render as render;
+use pelage_render::RenderOptions;
+use pelage_shells::dynamics;
+use pelage_shells::dynamics::Spring;
+use pelage_shells::shellfin::Pose;
 
 fn scene(text: &str) -> Scene {
     Scene::parse(&format!("[mesh]\nshape = 'sphere'\n{text}"), "animation.toml", &[]).unwrap()
@@ -82,7 +79,8 @@ fn driven_hair_swings_as_the_closed_form_says() {
     let (k, c) = (900.0_f64, 8.0_f64);
     let w = std::f64::consts::TAU * 3.0;
     let force = 1.5 * w * w;
-    // The steady part is p sin(w t) + q cos(w t); the free part makes bend and speed zero at time 0.
+    // The steady part is p sin(w t) + q cos(w t); the free part makes bend and speed zero at time
+    // 0.
     let size = (k - w * w).powi(2) + (c * w).powi(2);
     let (p, q) = (force * (k - w * w) / size, -force * c * w / size);
     let wd = (k - 0.25 * c * c).sqrt();
@@ -166,7 +164,8 @@ fn faults_of_the_table_are_named() {
     assert!(text.contains("animation.motion.axis") && text.contains(":5:"), "{text}");
 }
 
-/// Frames of the command line: numbered files, each like a still with the frame's camera; any range can be rendered again.
+/// Frames of the command line: numbered files, each like a still with the frame's camera; any range
+/// can be rendered again.
 #[test]
 fn frames_are_numbered_and_do_not_depend_on_each_other() {
     let folder = Folder::new();
@@ -192,7 +191,8 @@ fn frames_are_numbered_and_do_not_depend_on_each_other() {
     render(&["--frames", "3..2"]).expect(2, &["--frames", "A..B"]);
 }
 
-/// Wind bends the hair of frames as it bends a picture of the same pose, and no picture of a calm day.
+/// Wind bends the hair of a frame as it bends that of a still at the same time; without wind
+/// nothing is bent.
 #[test]
 fn wind_bends_the_hair_of_frames() {
     let folder = Folder::new();

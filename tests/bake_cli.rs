@@ -1,8 +1,6 @@
 //! `pelage bake` on the command line: what it leaves behind, and bad input.
 
-mod common;
-
-use common::{Folder, Run, command, pelage};
+use crate::common::{Folder, Run, json, names, pelage, pelage_without_adapter};
 use serde_json::Value;
 
 const SCENE: &str = "tests/data/small.toml";
@@ -26,8 +24,7 @@ fn baking_leaves_what_the_manifest_lists() {
     {
         assert!(run.out.contains(part), "no {part:?} in {}", run.out);
     }
-    let manifest: Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("new/fur/manifest.json")).unwrap()).unwrap();
+    let manifest = json(folder.path().join("new/fur/manifest.json"));
     assert_eq!(manifest["source"], "dots");
     assert_eq!(manifest["seed"], 5);
     assert_eq!(manifest["patch"][0], 0.5);
@@ -35,7 +32,7 @@ fn baking_leaves_what_the_manifest_lists() {
         let path = folder.path().join("new/fur").join(file["path"].as_str().unwrap());
         assert_eq!(std::fs::metadata(&path).unwrap().len(), file["bytes"].as_u64().unwrap());
     }
-    let read = pelage::bake::load(&folder.path().join("new/fur/manifest.json")).unwrap();
+    let read = pelage_shells::bake::load(&folder.path().join("new/fur/manifest.json")).unwrap();
     assert_eq!((read.layers.len(), read.fin.width), (3, 32));
 }
 
@@ -64,14 +61,16 @@ fn formats_can_be_chosen() {
     let folder = Folder::new();
     let dir = folder.at("fur");
     bake(&dir, &["--formats", "ktx2", "--quiet"]).expect(0, &[]);
-    let mut names: Vec<_> =
-        std::fs::read_dir(&dir).unwrap().map(|e| e.unwrap().file_name().into_string().unwrap()).collect();
-    names.sort();
-    assert_eq!(names, ["fin.ktx2", "layers.ktx2", "lod1", "lod2", "manifest.json", "manifest.schema.json"]);
-    let json: Value =
+    assert_eq!(
+        names(dir.as_ref()),
+        ["fin.ktx2", "layers.ktx2", "lod1", "lod2", "manifest.json", "manifest.schema.json"]
+    );
+    let summary: Value =
         serde_json::from_str(&bake(&dir, &["--formats", "exr,png", "--json"]).expect(0, &[]).out).unwrap();
-    assert_eq!(json["layers"], 3);
-    assert!(json["files"].as_array().unwrap().iter().all(|f| !f["path"].as_str().unwrap().ends_with("ktx2")));
+    assert_eq!(summary["layers"], 3);
+    assert!(
+        summary["files"].as_array().unwrap().iter().all(|f| !f["path"].as_str().unwrap().ends_with("ktx2"))
+    );
 }
 
 #[test]
@@ -132,19 +131,8 @@ fn folders_that_cannot_be_written_are_named() {
 #[test]
 fn a_bake_needs_no_adapter() {
     let folder = Folder::new();
-    let mut run = command();
-    run.env("WGPU_BACKEND", if cfg!(target_vendor = "apple") { "vulkan" } else { "metal" });
-    run.args([
-        "bake",
-        SCENE,
-        "-o",
-        &folder.at("fur"),
-        "--layers",
-        "2",
-        "--resolution",
-        "16x16",
-        "--formats",
-        "exr",
-    ]);
-    Run::from(run.output().unwrap()).expect(0, &[]);
+    let small = ["--layers", "2", "--resolution", "16x16", "--formats", "exr"];
+    let dir = folder.at("fur");
+    let args = [&["bake", SCENE, "-o", &dir], &small[..]].concat();
+    pelage_without_adapter(&args).expect(0, &[]);
 }

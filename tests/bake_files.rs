@@ -1,20 +1,16 @@
 //! Files of baked textures: levels of detail, mips, PNG, EXR, KTX2, compression, manifest, memory.
 
-mod common;
-
-use common::Folder;
-use pelage::{
-    Error,
-    bake::{
-        self, Content, Format, FurTextures, LayerSummary, Manifest, ManifestFile, Texels, Texture,
-        WriteOptions, compress,
-        ktx2::{Encoding, Ktx2},
-        lod, memory,
-        mips::{self, Keep},
-    },
-    film::composite::over,
-    reference::hash::{hash, unit_float},
-    scene::BakeSource,
+use crate::common::{self, Folder, on_threads};
+use pelage_core::Error;
+use pelage_core::film::composite::over;
+use pelage_core::scene::BakeSource;
+use pelage_fur::random::{hash, unit_float};
+use pelage_shells::bake;
+use pelage_shells::bake::ktx2::{Encoding, Ktx2};
+use pelage_shells::bake::mips::Keep;
+use pelage_shells::bake::{
+    Content, Format, FurTextures, LayerSummary, Manifest, ManifestFile, Texels, Texture, WriteOptions,
+    compress, lod, memory, mips,
 };
 use std::path::Path;
 
@@ -23,7 +19,8 @@ fn random(n: u32) -> f32 {
     unit_float(hash(n))
 }
 
-/// Hairs as slightly blurred dots; hair `h` is in all layers below its height, so that layers are alike as in real fur.
+/// Hairs as slightly blurred dots; hair `h` is in all layers below its height, so that layers are
+/// alike as in real fur.
 fn layer(width: u32, height: u32, l: u32, layers: u32) -> Texture {
     let mut texels = vec![[0.0f32; 4]; (width * height) as usize];
     for h in 0..width * height / 12 {
@@ -388,7 +385,8 @@ fn the_manifest_lists_what_is_there() {
     assert_eq!(file.lods.iter().map(|l| l.layers).collect::<Vec<_>>(), [5, 3, 2, 1]);
     let close = |a: &[f32], b: &[f32]| a.iter().zip(b).all(|(a, b)| (a - b).abs() < 1e-5);
     assert!(close(&file.lods[1].heights, &[0.34, 1.02, 1.53]), "{:?}", file.lods[1].heights);
-    // 5 + 3 + 2 + 1 layers with their guard hairs as two formats, 2 fins as two; 4 levels and a fin as three KTX2.
+    // 5 + 3 + 2 + 1 layers with their guard hairs as two formats, 2 fins as two; 4 levels and a fin
+    // as three KTX2.
     assert_eq!(file.files.len(), 11 * 2 * 2 + 2 * 2 + 5 * 3);
     for f in &file.files {
         let path = folder.path().join(&f.path);
@@ -405,10 +403,8 @@ fn the_manifest_lists_what_is_there() {
         }
     }
     // What the schema promises.
-    let json: serde_json::Value =
-        serde_json::from_slice(&std::fs::read(folder.path().join("manifest.json")).unwrap()).unwrap();
-    let schema = std::fs::read(folder.path().join(json["$schema"].as_str().unwrap())).unwrap();
-    let schema: serde_json::Value = serde_json::from_slice(&schema).unwrap();
+    let json = common::json(folder.path().join("manifest.json"));
+    let schema = common::json(folder.path().join(json["$schema"].as_str().unwrap()));
     for key in schema["required"].as_array().unwrap() {
         assert!(!json[key.as_str().unwrap()].is_null(), "{key}");
     }
@@ -451,8 +447,7 @@ fn the_same_bytes_whatever_the_threads() {
     let fur = textures(4, [32, 32], [16, 8]);
     let bytes = |threads| {
         let folder = Folder::new();
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        let file = pool.install(|| write(&fur, folder.path(), &ALL));
+        let file = on_threads(threads, || write(&fur, folder.path(), &ALL));
         let read = |f: &str| std::fs::read(folder.path().join(f)).unwrap();
         let mut all: Vec<_> = file.files.iter().map(|f| read(&f.path)).collect();
         all.push(read(bake::MANIFEST));

@@ -1,12 +1,13 @@
-//! The makers of textures: what one hair leaves, that the fur's own opacity is kept, that nothing depends on where the torus is cut.
+//! The sources of textures: what one hair contributes, that the fur's opacity is kept, that nothing
+//! depends on where the torus is cut.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::on_threads;
+use crate::common::{gpu, worlds};
 use glam::Vec3;
-use pelage::bake::{self, Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
-use pelage::reference::hash::random;
-use pelage::scene::{BakeSource, DotProfile, Scene, Shape};
+use pelage_core::scene::{BakeSource, DotProfile, Scene, Shape};
+use pelage_fur::random::random;
+use pelage_shells::bake;
+use pelage_shells::bake::{Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
 
 const BLOCK: Block = Block { patch: [1.0, 1.0], height: 0.5, layers: 8, resolution: [64, 32] };
 
@@ -21,7 +22,8 @@ fn hair(root: [f32; 2], lean: [f32; 2], height: f32, diameter: f32) -> Hair {
     Hair { root, knots: vec![knot(0.0), knot(1.0)], guard: false }
 }
 
-/// Hairs of all kinds, their roots on a grid fine enough that whole texels can be added without rounding.
+/// Hairs of all kinds, their roots on a grid fine enough that whole texels can be added without
+/// rounding.
 fn thicket(count: u32, shift: [f32; 2]) -> Vec<Hair> {
     (0..count)
         .map(|i| {
@@ -160,10 +162,7 @@ fn no_source_shows_where_its_torus_is_cut() {
 #[test]
 fn the_number_of_threads_does_not_matter() {
     for source in [BakeSource::Hybrid, BakeSource::Particles, BakeSource::Dots] {
-        let bake = |threads| {
-            let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-            pool.install(|| baked(|scene| scene.bake.source = source))
-        };
+        let bake = |threads| on_threads(threads, || baked(|scene| scene.bake.source = source));
         assert!(bake(1) == bake(3), "{source:?}");
     }
     assert!(
@@ -175,7 +174,8 @@ fn the_number_of_threads_does_not_matter() {
 #[test]
 fn layers_are_as_deep_as_the_groom_says() {
     let textures = baked(plain);
-    // Hairs of the undercoat end as the volume's do: 1 - smoothstep(0.75, 1.02, t); they grow thinner towards t = 1.
+    // Hairs of the undercoat end as the volume's do: 1 - smoothstep(0.75, 1.02, t); they grow
+    // thinner towards t = 1.
     let coat = |t: f64| {
         let x = ((t - 0.75) / 0.27).clamp(0.0, 1.0);
         8000.0 * 14e-4 * (1.0 - x * x * (3.0 - 2.0 * x)) * (1.0 - 0.5 * t)
@@ -265,9 +265,7 @@ fn maps_count_at_their_mean() {
         let text = format!(
             "[mesh]\nshape = 'plane'\n[undercoat]\ndensity = {value}\nnoise_contrast = 0\n[guard]\ndensity = 0\n[bake]\nlayers = 2"
         );
-        let scene = Scene::parse(&text, "test.toml", &[]).expect("a scene");
-        let world = pelage::World::load(scene, &Default::default()).expect("a world");
-        let textures = bake::bake(&world).expect("textures");
+        let textures = bake::bake(&gpu::world(&text)).expect("textures");
         textures.manifest.summary.iter().map(|l| l.optical_depth).sum::<f32>()
     };
     // The plane's vertices are white.

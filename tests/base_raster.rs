@@ -1,19 +1,16 @@
 //! `base_raster` against its twin, and against plain ray casting.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, Tile};
 use glam::Vec3;
-use gpu::{Fixture, Tile};
-use pelage::layout::Frame;
-use pelage::reference::base_raster::{NO_BASE, project, shade, triangles, unpack};
-use pelage::reference::light_occlusion::hit;
-use pelage::reference::shell::Shell;
-use pelage::reference::view::sample_ray;
+use pelage_fur::layout::Frame;
+use pelage_fur::shell::Shell;
+use pelage_fur::view::sample_ray;
+use pelage_render::twin::base_raster::{NO_BASE, project, shade, triangles, unpack};
+use pelage_render::twin::light_occlusion::hit;
 
 const FILM: [u32; 2] = [120, 90];
 
-fn fixture(gpu: &'static pelage::gpu::Gpu, mesh: &str) -> Fixture {
+fn fixture(gpu: &'static pelage_gpu::Gpu, mesh: &str) -> Fixture {
     let scene = format!(
         "[mesh]\n{mesh}\n[camera]\neye = [1.5, 3, 4]\nfov = 38\n[[lights]]\n[undercoat]\nheight = 0.05\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
     );

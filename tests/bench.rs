@@ -1,9 +1,7 @@
 //! `pelage bench`: the rows of the paper's table, comparisons, JSON.
 
-mod common;
-
-use common::{Folder, pelage};
-use pelage::bench::Times;
+use crate::common::{self, Folder, pelage};
+use pelage_studies::bench::Times;
 use serde_json::Value;
 
 const SCENE: &str = r#"
@@ -26,8 +24,7 @@ fn bench(folder: &Folder, arguments: &[&str]) -> (String, Value) {
     let mut all = vec!["bench", &scene, "--size", "48x32", "--json", &json];
     all.extend(arguments);
     let run = pelage(&all).expect(0, &[]);
-    let text = std::fs::read_to_string(&json).expect("a JSON file");
-    (run.out, serde_json::from_str(&text).expect("JSON"))
+    (run.out, common::json(json))
 }
 
 #[test]
@@ -86,7 +83,7 @@ fn shells_and_fins_a_second() {
     for part in ["all layers, and half of them", "growth with layers", "12 fps", "23 fps"] {
         assert!(run.out.contains(part), "no {part:?} in\n{}", run.out);
     }
-    let report: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    let report = common::json(&json);
     assert_eq!((&report["runs"], &report["size"]), (&2.into(), &serde_json::json!([48, 32])));
     let rows: Vec<&Value> = ["frames", "layers"].iter().flat_map(|k| report[k].as_array().unwrap()).collect();
     assert_eq!(rows.iter().map(|r| r["shells"].as_u64().unwrap()).collect::<Vec<_>>(), [4, 2, 3]);
@@ -112,7 +109,7 @@ fn a_scene_without_its_mesh_is_skipped() {
     let json = folder.at("bench.json");
     let run = pelage(&["bench", &scene, "--size", "8x8", "--json", &json]).expect(0, &[]);
     assert!(run.out.contains("skipped") && run.out.contains("fetch_assets"), "{}", run.out);
-    let report: Value = serde_json::from_str(&std::fs::read_to_string(&json).unwrap()).unwrap();
+    let report = common::json(&json);
     assert_eq!(report["skipped"][0]["scene"], "absent");
     assert_eq!(report["table"].as_array().map(Vec::len), Some(0));
     // A broken scene is not skipped.

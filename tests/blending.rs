@@ -1,17 +1,14 @@
 //! How undercoat, guard hairs and skin come together in the image.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
-use pelage::scene::{Blend, FurLayers, LightLookup, Scene, Storage};
-use pelage::stats::Stats;
-use worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
+use crate::common::worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
+use pelage_core::scene::{Blend, FurLayers, LightLookup, Scene, Storage};
+use pelage_core::stats::Stats;
 
 fn blended(
     blend: Blend,
     virtual_fragments: u32,
     edit: impl FnOnce(&mut Scene),
-) -> (pelage::film::Film, Stats) {
+) -> (pelage_core::film::Film, Stats) {
     let frame = render(&ball(|s| {
         s.render.blend = blend;
         s.render.virtual_fragments = virtual_fragments;
@@ -21,8 +18,8 @@ fn blended(
 }
 
 /// Root of the mean square of the colours where something is.
-fn strength(film: &pelage::film::Film) -> f64 {
-    rmse(film, &pelage::film::Film::from_premultiplied(film.width, film.height, &[]), &RGB)
+fn strength(film: &pelage_core::film::Film) -> f64 {
+    rmse(film, &pelage_core::film::Film::from_premultiplied(film.width, film.height, &[]), &RGB)
 }
 
 #[test]
@@ -75,8 +72,8 @@ fn contributions_add_up() {
     }
 }
 
-/// White fur scatters all that it takes out of a light: into any direction at most E / pi^2 of each light (Kajiya-Kay, sine of 1),
-/// the white skin E / pi.
+/// White fur scatters all light that it extinguishes: into any direction at most E / pi^2 of each
+/// light (Kajiya-Kay, sine of 1), the white skin E / pi.
 #[test]
 fn white_undercoat_stays_below_its_bound() {
     let white = |forward: f32| {
@@ -91,7 +88,8 @@ fn white_undercoat_stays_below_its_bound() {
             }
         }
     };
-    let most = |film: &pelage::film::Film| RGB.map(|c| plane(film, c).iter().fold(0f32, |a, b| a.max(*b)));
+    let most =
+        |film: &pelage_core::film::Film| RGB.map(|c| plane(film, c).iter().fold(0f32, |a, b| a.max(*b)));
     let bound = 2.0 / (std::f32::consts::PI * std::f32::consts::PI);
     for forward in [0.0, 1.0] {
         let found = most(&blended(Blend::Exact, 1, white(forward)).0);
@@ -109,12 +107,14 @@ fn white_undercoat_stays_below_its_bound() {
     assert!(most(&film)[0] > bound);
 }
 
-/// Light adds up: an image under two lights is the sum of the images under each, and twice the light is twice the image.
+/// Light adds up: an image under two lights is the sum of the images under each, and twice the
+/// light is twice the image.
 #[test]
 fn light_is_linear() {
-    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings to each node of the lattice, with the
-    // skin's normal for the hairs' tangent: alone it is a key light too, so that the sum also tells how good that is.
-    let third = pelage::scene::DirectionalLight { direction: [0.1, 0.3, 0.9], irradiance: [0.5; 3] };
+    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings
+    // to each node of the lattice, with the skin's normal for the hairs' tangent: alone it is a key
+    // light too, so that the sum also measures the error of that.
+    let third = pelage_core::scene::DirectionalLight { direction: [0.1, 0.3, 0.9], irradiance: [0.5; 3] };
     let under = |lights: Vec<usize>, factor: f32| {
         blended(Blend::Exact, 1, |s| {
             s.lights.push(third.clone());
@@ -159,7 +159,8 @@ fn stored_and_evaluated_densities_make_the_same_image() {
     );
 }
 
-/// The light lattice stands for a march towards the light at every step: undercoat alone, for the nested march sees no guard hairs.
+/// The optical-depth lattice replaces a march towards the light at every step. Undercoat alone,
+/// since the nested march sees no guard hairs.
 #[test]
 fn lattice_stands_for_the_nested_march() {
     let lit = |light: LightLookup, density: f32| {

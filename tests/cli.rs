@@ -1,8 +1,6 @@
 //! The command line where everything goes well.
 
-mod common;
-
-use common::{Folder, command, pelage};
+use crate::common::{Folder, Run, command, pelage, root, run};
 use serde_json::Value;
 
 fn json(text: &str) -> Value {
@@ -106,11 +104,10 @@ fn flags_set_the_scene() {
 fn a_mesh_named_on_the_command_line_is_found_from_where_one_is() {
     let folder = Folder::new();
     folder.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let scene = common::root().join("scenes/default.toml");
-    let mut run = command();
-    run.current_dir(folder.path()).arg("check").arg(scene).args(["-D", "mesh.path=tri.obj", "--json"]);
-    let run: common::Run = run.output().unwrap().into();
-    let value = json(&run.expect(0, &[]).out);
+    let scene = root().join("scenes/default.toml");
+    let mut check = command();
+    check.current_dir(folder.path()).arg("check").arg(scene).args(["-D", "mesh.path=tri.obj", "--json"]);
+    let value = json(&run(&mut check).expect(0, &[]).out);
     assert_eq!(value["scene"]["mesh"]["path"], "tri.obj");
     assert_eq!(value["scene"]["mesh"]["shape"], Value::Null);
 }
@@ -121,9 +118,7 @@ fn assets_are_found_through_the_environment() {
     assets.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let scene = scenes.write("s.toml", "[mesh]\npath = \"tri.obj\"\n");
     pelage(&["check", &scene]).expect(3, &["mesh.path", "PELAGE_ASSETS (not set)"]);
-    let run: common::Run =
-        command().args(["check", &scene]).env("PELAGE_ASSETS", assets.path()).output().unwrap().into();
-    run.expect(0, &[]);
+    run(command().args(["check", &scene]).env("PELAGE_ASSETS", assets.path())).expect(0, &[]);
 }
 
 #[test]
@@ -175,7 +170,6 @@ fn a_reader_that_goes_away_is_no_error() {
     use std::process::Stdio;
     let mut child = command().arg("schema").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());
-    let run: common::Run = child.wait_with_output().unwrap().into();
-    let run = run.expect(0, &[]);
+    let run = Run::from(child.wait_with_output().unwrap()).expect(0, &[]);
     assert!(run.err.is_empty(), "{}", run.err);
 }

@@ -1,10 +1,11 @@
-//! Every metric: zero where nothing differs, the right value where it is known, and a failure where it should fail.
+//! Every metric: zero where nothing differs, the right value where it is known, and a failure where
+//! it should fail.
 
-use pelage::{
-    Error,
-    compare::{ErrorImage, METRICS, Options, Region, Thresholds, compare, compare_with, error_image},
-    film::Film,
-    reference::hash::random,
+use pelage_core::Error;
+use pelage_core::film::Film;
+use pelage_fur::random::random;
+use pelage_studies::compare::{
+    ErrorImage, METRICS, Options, Region, Thresholds, compare, compare_with, error_image,
 };
 
 fn picture() -> Film {
@@ -87,7 +88,7 @@ fn small_pictures_have_the_values_computed_by_hand() {
         .for_each(|(wanted, found)| near(found, wanted));
     // SSIM of two constant pictures is the luminance term alone.
     let constant = |code: f32| {
-        let v = pelage::film::tonemap::srgb_decode(code);
+        let v = pelage_core::film::tonemap::srgb_decode(code);
         Film::from_premultiplied(13, 13, &vec![[v, v, v, 1.0]; 169])
     };
     let c = compare(&constant(0.4), &constant(0.6)).unwrap().all;
@@ -172,7 +173,8 @@ fn error_images_show_where() {
     assert!(there > 0.03 && elsewhere < 0.003, "{there} {elsewhere}");
 }
 
-/// A disc of fur: alpha 1 within 20 pixels of the middle of 80 x 80, light by `value` of the distance to it.
+/// A disc of fur: alpha 1 within 20 pixels of the middle of 80 x 80, light by `value` of the
+/// distance to it.
 fn disc(value: impl Fn(f32, usize) -> f32) -> Film {
     let pixels: Vec<[f32; 4]> = (0..80 * 80)
         .map(|i| {
@@ -252,7 +254,8 @@ fn every_metric_has_a_limit() {
     assert!(METRICS.iter().all(|metric| (metric.limit)(&Thresholds::default()).is_none()));
 }
 
-/// A reference of two noisy halves has the detail of its mean, less the noise that their difference tells.
+/// A reference of two noisy halves has the detail of its mean, less the noise estimated from their
+/// difference.
 #[test]
 fn noise_of_a_reference_is_no_detail() {
     let clean = disc(|_, i| 0.3 + 0.4 * random(1, i as u32));

@@ -1,13 +1,18 @@
-//! Mean opacity of guard hairs against an independent sampler: points of the film, and the ribbons that cover them.
+//! Mean opacity of guard hairs against an independent sampler: points of the film, and the ribbons
+//! that cover them.
 //!
-//! Nothing is shared with the renderer but the strands themselves. `scripts/witness/coverage.py` does the same for exported files.
+//! Nothing is shared with the renderer but the strands themselves. `scripts/witness/coverage.py`
+//! does the same for exported files.
 
+use crate::common::gpu;
 use glam::{DVec2, DVec3};
-use pelage::hair::HairFile;
-use pelage::render::{self, RenderOptions};
-use pelage::{Scene, World, assets::Assets};
+use pelage_core::World;
+use pelage_core::hair::HairFile;
+use pelage_render as render;
+use pelage_render::RenderOptions;
 
-/// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the plane.
+/// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the
+/// plane.
 const SCENE: &str = r#"
 [mesh]
 shape = "plane"
@@ -38,11 +43,6 @@ fur = "explicit"
 const ROWS: usize = 44;
 /// Points along a pixel's edge.
 const POINTS: usize = 8;
-
-fn world() -> World {
-    let scene = Scene::parse(SCENE, "coverage", &[]).expect("the scene is valid");
-    World::load(scene, &Assets::default()).expect("the scene loads")
-}
 
 /// One piece of a strand on the film, pixels.
 struct Piece {
@@ -136,7 +136,7 @@ fn rendered(world: &World) -> f64 {
 
 #[test]
 fn mean_opacity_is_that_of_an_independent_sampler() {
-    let world = world();
+    let world = gpu::world(SCENE);
     let hair = render::strands(&world).expect("the strands are exported");
     let ours = rendered(&world);
     let witness = sampled(&world, &pieces(&world, &hair, 1.0));

@@ -1,26 +1,10 @@
 //! Depth of field as a post-process.
 
-use pelage::{
-    Error,
-    film::{Film, depth_of_field},
-    scene::{Camera, Lens, LensMethod},
-};
-
-fn chart(width: u32, height: u32) -> Film {
-    let (w, h) = (width as f32, height as f32);
-    let pixels: Vec<[f32; 4]> = (0..width * height)
-        .map(|i| {
-            let (x, y) = ((i % width) as f32 / w, (i / width) as f32 / h);
-            let alpha = if x < 0.5 { 1.0 } else { y };
-            [x * alpha, y * alpha, 0.25 * alpha, alpha]
-        })
-        .collect();
-    Film::from_premultiplied(width, height, &pixels)
-}
-
-fn message<T: std::fmt::Debug>(result: pelage::Result<T>) -> String {
-    result.expect_err("expected an error").to_string()
-}
+use crate::common::films::chart;
+use crate::common::message;
+use pelage_core::Error;
+use pelage_core::film::{Film, depth_of_field};
+use pelage_core::scene::{Camera, Lens, LensMethod};
 
 fn lens(aperture: f32, focus: f32) -> Camera {
     Camera {
@@ -65,7 +49,8 @@ fn a_point_becomes_a_disc_of_its_circle_of_confusion() {
         (depth_of_field::circle_of_confusion(2.0, 20.0, focal, f32::INFINITY) - 2.0 * focal / 20.0).abs()
             < 1e-4
     );
-    // Alone at its depth, and in front of nothing: the energy is the same, the disc as wide as computed.
+    // Alone at its depth, and in front of nothing: the energy is the same, the disc as wide as
+    // computed.
     for around in [30.0, f32::INFINITY] {
         let mut film = point(30.0);
         let depth = film.plane_mut("depth.Z").unwrap();

@@ -1,10 +1,8 @@
-//! The same scene, seed and adapter give the same bytes, whatever the tile size, the memory budget and the order of threads.
+//! The same scene, seed and adapter give the same bytes, whatever the tile size, the memory budget
+//! and the order of threads.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
-use pelage::scene::{Blend, Filter, FurLayers, Scene};
-use worlds::{ball, differing, render};
+use crate::common::worlds::{ball, differing, render};
+use pelage_core::scene::{Blend, Filter, FurLayers, Scene};
 
 fn scene(blend: Blend) -> impl Fn(&mut Scene) {
     move |scene| {
@@ -14,7 +12,7 @@ fn scene(blend: Blend) -> impl Fn(&mut Scene) {
     }
 }
 
-fn with(blend: Blend, edit: impl FnOnce(&mut Scene)) -> pelage::World {
+fn with(blend: Blend, edit: impl FnOnce(&mut Scene)) -> pelage_core::World {
     ball(|s| {
         scene(blend)(s);
         edit(s);
@@ -78,7 +76,8 @@ fn seed_shows() {
 
 #[test]
 fn budget_does_not_show() {
-    // Coarser than the defaults, so that a small budget still holds it; more hairs, so that tiles overflow.
+    // Coarser than the defaults, so that a small budget still holds it; more hairs, so that tiles
+    // overflow.
     let dense = |memory: u64| {
         with(Blend::Virtual, |s| {
             s.render.memory = memory;
@@ -111,7 +110,8 @@ fn strands_past_the_budget_do_not_show() {
     };
     let roomy = render(&hairy(1 << 30));
     let tight = render(&hairy(20 << 20));
-    // A strand takes a root and for each of seven vertices 24 bytes; three tenths of the budget are for strands.
+    // A strand takes a root and for each of seven vertices 24 bytes; three tenths of the budget are
+    // for strands.
     assert!(roomy.stats.strands * 184 > (20 << 20) * 3 / 10, "all strands fit: nothing was tested");
     assert_eq!(roomy.stats.strands, tight.stats.strands);
     let found = differing(&roomy.film, &tight.film);
@@ -120,11 +120,8 @@ fn strands_past_the_budget_do_not_show() {
 
 #[test]
 fn viewport_of_shader_and_recorder_are_one() {
-    let frame = pelage::gpu::shader::SOURCES
-        .iter()
-        .find(|(name, _)| *name == "shared/frame")
-        .expect("shared/frame")
-        .1;
-    let line = format!("const RASTER_MARGIN: f32 = {:.1};", pelage::gpu::recorder::RASTER_MARGIN);
+    let frame =
+        pelage_gpu::shader::SOURCES.iter().find(|(name, _)| *name == "shared/frame").expect("shared/frame").1;
+    let line = format!("const RASTER_MARGIN: f32 = {:.1};", pelage_gpu::recorder::RASTER_MARGIN);
     assert!(frame.contains(&line), "no line `{line}` in shared/frame.wgsl");
 }

@@ -1,13 +1,15 @@
 //! A device that is lost is opened again once; the tiles that were done stay.
 
-mod common;
-
-use pelage::render::{Progress, RenderOptions, render_with};
-use pelage::{Error, Scene, World, gpu::Gpu};
+use crate::common;
+use pelage_core::{Error, Scene, World};
+use pelage_gpu::Gpu;
+use pelage_render::{Progress, RenderOptions};
+use pelage_shells::render_with;
 use std::sync::Mutex;
 
-/// Renders and destroys the device under the rendering, `losses` times, each time after a part of the tiles.
-fn render(losses: usize) -> (pelage::Result<pelage::render::Frame>, usize) {
+/// Renders and destroys the device under the rendering, `losses` times, each time after a part of
+/// the tiles.
+fn render(losses: usize) -> (pelage_core::Result<pelage_render::Frame>, usize) {
     let overrides = ["film.width=24", "film.height=16", "render.tile=8"].map(str::to_owned);
     let (scene, assets) = Scene::load(&common::root().join("tests/data/small.toml"), &overrides).unwrap();
     let world = World::load(scene, &assets).unwrap();

@@ -1,19 +1,18 @@
 //! `edge_table` against its twin and against the neighbour table of the mesh.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::cases;
+use crate::common::gpu::{self, Fixture, jittered_grid, skin, world_on};
 use glam::Vec3;
-use gpu::{Fixture, jittered_grid, skin, world_on};
-use pelage::Skin;
-use pelage::mesh::topology;
-use pelage::reference::edge_table::neighbours;
-use pelage::skin::NONE;
+use pelage_core::Skin;
+use pelage_core::mesh::topology;
+use pelage_core::skin::NONE;
+use pelage_render::twin::edge_table::neighbours;
 use proptest::prelude::*;
 
 const SCENE: &str = "[render]\nfur = \"implicit\"\n[undercoat]\nlayers = 1\nsubdivision = 0\n";
 
-/// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding, a triangle twice.
+/// Meshes with every kind of edge: closed, open, three triangles on an edge, inconsistent winding,
+/// a triangle twice.
 fn meshes() -> Vec<(&'static str, Skin)> {
     let tetrahedron = vec![[0, 1, 2], [0, 3, 1], [1, 3, 2], [2, 3, 0]];
     let corners = vec![Vec3::ZERO, Vec3::X, Vec3::Y, Vec3::Z, Vec3::NEG_X, Vec3::ONE];
@@ -46,7 +45,8 @@ fn the_gpu_finds_the_same_neighbours() {
     }
 }
 
-/// The table without the check of single owners: the first owner of a reversed key is the neighbour.
+/// The table without the check of single owners: the first owner of a reversed key is the
+/// neighbour.
 fn careless(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let side = |t: &[u32; 3], k: usize| (t[(k + 1) % 3], t[(k + 2) % 3]);
     let owner = |key| triangles.iter().position(|t| (0..3).any(|k| side(t, k) == key));
@@ -69,6 +69,8 @@ fn a_table_without_the_check_of_owners_is_caught() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn neighbours_are_symmetric(indices in prop::collection::vec(prop::array::uniform3(0u32..9), 1..40)) {
         let triangles: Vec<[u32; 3]> =
@@ -76,7 +78,8 @@ proptest! {
         let topology = topology::neighbours(&triangles);
         let table = neighbours(&triangles);
         prop_assert!(symmetric(&table));
-        // The two tables differ where more than two triangles share an undirected edge but each directed key has one owner: never.
+        // The two tables differ where more than two triangles share an undirected edge but each
+        // directed key has one owner: never.
         prop_assert_eq!(&table, &topology.neighbours);
         let open = table.iter().flatten().filter(|n| **n == NONE).count();
         // Each inner edge has two sides.

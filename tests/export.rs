@@ -1,12 +1,15 @@
-//! Scenes for other renderers: what is written is read back by hand and compared with what this program renders.
+//! Scenes for other renderers: what is written is read back by hand and compared with what this
+//! program renders.
 
-mod common;
-
-use common::{Folder, pelage};
+use crate::common::{Folder, pelage};
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
-use pelage::export::{self, EnvironmentAs, Target, Written, curves};
-use pelage::pathtrace::strands::{Hair, Layer, Strands};
-use pelage::{Scene, World, assets::Assets, camera};
+use pelage_core::assets::Assets;
+use pelage_core::{Scene, World};
+use pelage_export as export;
+use pelage_export::{EnvironmentAs, Target, Written, curves};
+use pelage_fur::Layer;
+use pelage_fur::camera;
+use pelage_pathtrace::strands::{Hair, Strands};
 use std::path::Path;
 
 const SCENE: &str = "
@@ -41,7 +44,8 @@ fn world(more: &[String]) -> World {
     World::load(scene, &Assets::default()).expect("the world loads")
 }
 
-/// Guard hairs, the second of which lacks its middle segment, and undercoat of one segment that all has one colour.
+/// Guard hairs, the second of which lacks its middle segment, and undercoat of one segment that all
+/// has one colour.
 fn strands() -> Vec<Strands> {
     let hair = |i: u32, present| Hair {
         color_root: Vec3::new(0.1, 0.2, 0.3) * (i + 1) as f32,
@@ -102,7 +106,8 @@ fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     rest.split_once(end).unwrap_or_else(|| panic!("no {end:?} after {start:?}")).0
 }
 
-/// Elements of an XML text as (name, attributes); panics where tags do not match or an attribute has no quotes.
+/// Elements of an XML text as (name, attributes); panics where tags do not match or an attribute
+/// has no quotes.
 fn elements(xml: &str) -> Vec<(String, String)> {
     let mut rest = xml;
     let (mut open, mut found) = (Vec::new(), Vec::new());
@@ -327,7 +332,7 @@ fn hair_files_hold_all_layers() {
     let folder = Folder::new();
     export_to(&folder, Target::Hair);
     assert_eq!(folder.names(), ["guard.hair", "skin.obj", "undercoat.hair"]);
-    let hair = pelage::hair::HairFile::read(&folder.path().join("guard.hair")).unwrap();
+    let hair = pelage_core::hair::HairFile::read(&folder.path().join("guard.hair")).unwrap();
     let strands = strands();
     let points: Vec<Vec4> = curves::runs(&strands[0]).flat_map(|r| r.points.to_vec()).collect();
     assert_eq!(hair.segments, [3, 1, 1]);
@@ -360,7 +365,7 @@ fn deviations_are_listed() {
     }
 }
 
-/// The centre of pbrt's map is +z, and each texel looks the way that the scene's map does.
+/// The centre of pbrt's map is +z, and each texel has the direction that it has in the scene's map.
 #[test]
 fn a_map_keeps_its_directions() {
     let folder = Folder::new();
@@ -377,7 +382,7 @@ fn a_map_keeps_its_directions() {
     let world = World::load(scene, &assets).unwrap();
     let out = Folder::new();
     export::write(&world, &[], &assets, Target::Pbrt, EnvironmentAs::Map, out.path()).unwrap();
-    let sky = pelage::light::environment::Panorama::load(&out.path().join("sky.exr")).unwrap();
+    let sky = pelage_core::light::environment::Panorama::load(&out.path().join("sky.exr")).unwrap();
     let side = sky.width;
     let turn = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
     let mut seen = 0;
@@ -435,7 +440,8 @@ fn the_command_prints_counts_and_sizes() {
     assert!(Path::new(&place).join("scene.xml").is_file());
 }
 
-/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the pieces of the undercoat that are there.
+/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the
+/// pieces of the undercoat that are there.
 #[test]
 fn hairs_of_chiangs_model_keep_their_material() {
     let model = "{ model = 'chiang', roughness = [0.25, 0.4], tilt = -3, ior = 1.45 }";
@@ -447,7 +453,7 @@ fn hairs_of_chiangs_model_keep_their_material() {
     let tips = [Vec3::new(0.9, 0.5, 0.1), Vec3::splat(0.3)];
     let hairs = tips.map(|color_tip| Hair { color_tip, present: 0b101, ..coat.hairs[0] }).to_vec();
     let all = [guard, Strands { segments: 3, points, hairs, ..coat }];
-    let fibre = pelage::fibre::Absorption::by_color(0.4);
+    let fibre = pelage_fur::fibre::Absorption::by_color(0.4);
     let write = |folder: &Folder, target| {
         export::write(&world, &all, &Assets::default(), target, EnvironmentAs::Map, folder.path()).unwrap();
         text(folder, target.head())
@@ -470,7 +476,8 @@ fn hairs_of_chiangs_model_keep_their_material() {
         curves_text.trim().split("\n\n").map(|c| Vec4::from_slice(&numbers(c)[4..])).collect();
     let expected = [0, 2, 4, 6].map(|i| all[1].points[i]);
     assert_eq!(starts, expected, "segments 0 and 2 of both hairs");
-    // Texels from the last to the first: colours in the middle of the part of a segment that one stands for.
+    // Texels from the last to the first: colours in the middle of the part of a segment that one
+    // stands for.
     let texels = |name: &str, from: usize| -> Vec<Vec3> {
         let bytes = std::fs::read(folder.path().join(name)).unwrap();
         let floats: Vec<f32> =

@@ -1,14 +1,14 @@
 //! Faults from outside, seen from outside: the exit code, the message, and the files left behind.
 //!
-//! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering` renders.
+//! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering`
+//! renders.
 
-mod common;
-
-use common::{Folder, Run, command, pelage, pelage_without_adapter};
+use crate::common::{self, Folder, Run, command, pelage, pelage_without_adapter, run};
 
 const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
 
-/// Renders a scene text that must be refused with exit code 3, and looks that the old image stays as it was.
+/// Renders a scene text that must fail with exit code 3, and checks that the old image is
+/// unchanged.
 fn refused(text: &str, args: &[&str], parts: &[&str]) -> Run {
     let folder = Folder::new();
     let scene = folder.write("scene.toml", text);
@@ -226,7 +226,7 @@ mod output {
         let script = "trap '' XFSZ; ulimit -f 4; exec \"$0\" render scenes/default.toml -o \"$1\"";
         let mut shell = std::process::Command::new("sh");
         shell.current_dir(common::root()).args(["-c", script, env!("CARGO_BIN_EXE_pelage"), &image]);
-        Run::from(shell.output().unwrap()).expect(1, &["out.png", "cannot be written"]);
+        run(&mut shell).expect(1, &["out.png", "cannot be written"]);
         assert_eq!(std::fs::read(&image).unwrap(), b"old");
         assert_eq!(folder.names(), ["out.png"]);
     }
@@ -292,7 +292,7 @@ mod rendering {
     use super::*;
     use std::time::Duration;
 
-    /// What there is to see in a pose.
+    /// A rendering that is soon done.
     const SMALL: [&str; 5] = ["render", "tests/data/small.toml", "--size", "32x20", "--quiet"];
 
     fn is_whole_png(path: &str) -> bool {
@@ -314,9 +314,9 @@ mod rendering {
     #[test]
     fn an_adapter_of_that_name_does_not_exist() {
         let folder = Folder::new();
-        let mut run = command();
-        run.args(SMALL).args(["-o", &folder.at("out.png")]).env("WGPU_ADAPTER_NAME", "no such adapter");
-        Run::from(run.output().unwrap()).expect(4, &["no such adapter"]);
+        let mut named = command();
+        named.args(SMALL).args(["-o", &folder.at("out.png")]).env("WGPU_ADAPTER_NAME", "no such adapter");
+        run(&mut named).expect(4, &["no such adapter"]);
         assert!(folder.names().is_empty());
     }
 
@@ -331,7 +331,7 @@ mod rendering {
         let run = pelage(&args).expect(0, &["%"]);
         assert_eq!(folder.names(), ["out.exr", "out.png", "stats.json"]);
         assert!(is_whole_png(&png));
-        let stats: serde_json::Value = serde_json::from_slice(&std::fs::read(&stats).unwrap()).unwrap();
+        let stats = common::json(&stats);
         assert_eq!(stats, serde_json::from_str::<serde_json::Value>(&run.out).unwrap());
         for key in [
             "adapter",

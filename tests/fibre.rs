@@ -1,12 +1,12 @@
 //! The fibre models: energy, reciprocity, sampling. Random numbers are of fixed seeds.
 
 use glam::Vec3;
-use pelage::fibre::medulla::Parts;
-use pelage::fibre::medulla::scatter::{Medium, ScatterTable};
-use pelage::fibre::{
+use pelage_fur::fibre::medulla::Parts;
+use pelage_fur::fibre::medulla::scatter::{Medium, ScatterTable};
+use pelage_fur::fibre::{
     Absorption, Albedos, Angles, Chiang, FarTable, Fibre, Hit, KajiyaKay, Medulla, Sadeghi, offsets,
 };
-use pelage::reference::hash::random;
+use pelage_fur::random::random;
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 use std::sync::LazyLock;
 
@@ -213,7 +213,8 @@ fn densities_integrate_to_one() {
     }
 }
 
-/// Chi square of samples of `model` against the density of `other`, in standard deviations above its mean.
+/// Chi square of samples of `model` against the density of `other`, in standard deviations above
+/// its mean.
 fn chi_square(model: &Fibre, other: &Fibre, degrees: f64, h: f32) -> f64 {
     const ROWS: usize = 16;
     const COLUMNS: usize = 16;
@@ -310,7 +311,8 @@ fn light_and_eye_can_be_exchanged_where_models_say_so() {
         let reciprocal = name == "kajiya_kay" || name.starts_with("sadeghi");
         assert!(!reciprocal || worst < 1e-3, "{name}: {worst}");
     }
-    // The highlight of Kajiya and Kay is even in its product with the cosine, and so is not.
+    // The highlight of Kajiya and Kay is symmetric only as a product with the cosine: it is not
+    // reciprocal.
     assert!(exchange(&Fibre::KajiyaKay(KajiyaKay::new(0.6, 0.4, 12.0))) > 0.01);
 }
 
@@ -396,7 +398,8 @@ fn medulla_tables_are_kept_and_made_again() {
     let file = std::fs::read_dir(&below).unwrap().next().unwrap().unwrap().path();
     let whole = std::fs::read(&file).unwrap();
     assert_eq!(ScatterTable::cached(medium, Some(&below)), made, "from the cache");
-    // What is read comes from the file: one of another medium under this name is noticed, and so is damage.
+    // What is read comes from the file: one of another medium under this name is noticed, and so is
+    // damage.
     let mut flipped = whole.clone();
     flipped[1000] ^= 1;
     for bad in [&whole[..whole.len() / 2], &[][..], &flipped[..]] {

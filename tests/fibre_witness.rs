@@ -1,12 +1,14 @@
 //! Chiang's model beside the values of another program's implementation.
 
 use glam::Vec3;
-use pelage::fibre::{Chiang, Fibre, Hit};
+use pelage_fur::fibre::{Chiang, Fibre, Hit};
 
-/// Roughness along and around, tilt (degrees), index, absorption, direction of the eye, of the light, f cos of the light.
+/// Roughness along and around, tilt (degrees), index, absorption, direction of the eye, of the
+/// light, f cos of the light.
 type Row = ([f32; 2], f32, f32, f32, [f32; 3], [f32; 3], f32);
 
-/// Mitsuba 3.9.1, `hair`, evaluated one by one in its frame of a cylinder whose normal is +z here and whose tangent is +x.
+/// Mitsuba 3.9.1, `hair`, evaluated one by one in its frame of a cylinder whose normal is +z here
+/// and whose tangent is +x.
 const MITSUBA: [Row; 11] = [
     ([0.3, 0.3], 2.0, 1.55, 0.05, [0.032, -0.970, 0.239], [-0.655, 0.742, 0.147], 0.04237),
     ([0.3, 0.3], 2.0, 1.55, 0.05, [0.833, 0.482, 0.271], [-0.319, -0.781, 0.537], 0.11669),

@@ -1,11 +1,9 @@
 //! `pelage figure`: the registry, and one figure from end to end.
 
-mod common;
-
-use common::{Folder, command, pelage, root};
-use pelage::figure::Figure;
-use pelage::{Scene, film::io};
-use serde_json::Value;
+use crate::common::{self, Folder, Run, command, json, names, pelage, root};
+use pelage_core::Scene;
+use pelage_core::film::io;
+use pelage_studies::figure::Figure;
 
 #[test]
 fn every_figure_has_valid_scenes_and_a_caption() {
@@ -70,20 +68,13 @@ fn a_figure_from_end_to_end() {
     .unwrap();
     let scene = "[mesh]\nshape = \"pyramid\"\n[camera]\neye = [0, 6, 30]\n[[lights]]\n[guard]\ndensity = 4\n";
     std::fs::write(place.join("scene.toml"), scene).unwrap();
-    let run = command().current_dir(folder.path()).args(["figure", "small", "--quick"]).output().unwrap();
-    assert!(run.status.success(), "{}", String::from_utf8_lossy(&run.stderr));
+    make(&folder, &["small", "--quick"]).expect(0, &[]);
     let out = place.join("result");
-    let mut names: Vec<_> = std::fs::read_dir(&out)
-        .unwrap()
-        .map(|e| e.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
     assert_eq!(
-        names,
+        names(&out),
         ["a_guard_hairs.exr", "a_guard_hairs.png", "b_skin.exr", "b_skin.png", "figure.json", "small.png"]
     );
-    let record: Value =
-        serde_json::from_str(&std::fs::read_to_string(out.join("figure.json")).unwrap()).unwrap();
+    let record = json(out.join("figure.json"));
     assert_eq!(record["pictures"][0]["stats"]["fur"], "explicit");
     assert_eq!(record["pictures"][1]["layers"], "b_skin.exr");
     assert!(record["provenance"]["adapter"].as_str().is_some_and(|s| !s.is_empty()));
@@ -94,13 +85,7 @@ fn a_figure_from_end_to_end() {
     assert!(sheet.width > 96 && sheet.height > 30);
     let broken = place.join("figure.toml");
     std::fs::write(&broken, "title = \"x\"\nsource = \"y\"\npanel = 3\n").unwrap();
-    let run = command().current_dir(folder.path()).args(["figure", "small"]).output().unwrap();
-    assert_eq!(run.status.code(), Some(3));
-    assert!(
-        String::from_utf8_lossy(&run.stderr).contains("figure.toml:3"),
-        "{}",
-        String::from_utf8_lossy(&run.stderr)
-    );
+    make(&folder, &["small"]).expect(3, &["figure.toml:3"]);
 }
 
 /// A registry with one figure of the given panels, each a TOML table without its head.
@@ -116,26 +101,22 @@ fn registry(folder: &Folder, panels: &[&str]) -> std::path::PathBuf {
     place
 }
 
-fn make(folder: &Folder, arguments: &[&str]) -> (Option<i32>, String) {
-    let run = command().current_dir(folder.path()).arg("figure").args(arguments).output().unwrap();
-    let text = [run.stdout, run.stderr].concat();
-    (run.status.code(), String::from_utf8_lossy(&text).into_owned())
+fn make(folder: &Folder, arguments: &[&str]) -> Run {
+    common::run(command().current_dir(folder.path()).arg("figure").args(arguments))
 }
 
 #[test]
 fn what_differs_from_what_is_kept_is_told() {
     let folder = Folder::new();
     let place = registry(&folder, &["label = \"hairs\"\nscene = \"scene.toml\""]);
-    let (code, text) = make(&folder, &["x-small", "--quick", "--check"]);
-    assert!(code == Some(1) && text.contains("nothing is kept"), "{text}");
-    assert_eq!(make(&folder, &["x-small", "--quick", "--bless"]).0, Some(0));
+    make(&folder, &["x-small", "--quick", "--check"]).expect(1, &["nothing is kept"]);
+    make(&folder, &["x-small", "--quick", "--bless"]).expect(0, &[]);
     let page = std::fs::read_to_string(folder.path().join("paper_figures/README.md")).unwrap();
     assert!(page.contains("x-small/golden/x-small.png"), "{page}");
-    assert_eq!(make(&folder, &["--all", "--quick", "--check"]).0, Some(0));
+    make(&folder, &["--all", "--quick", "--check"]).expect(0, &[]);
     let scene = std::fs::read_to_string(place.join("scene.toml")).unwrap();
     std::fs::write(place.join("scene.toml"), scene.replace("density = 4", "density = 12")).unwrap();
-    let (code, text) = make(&folder, &["--all", "--quick", "--check"]);
-    assert!(code == Some(1) && text.contains("x-small: the picture differs"), "{text}");
+    make(&folder, &["--all", "--quick", "--check"]).expect(1, &["x-small: the picture differs"]);
 }
 
 #[test]
@@ -143,8 +124,8 @@ fn a_photograph_that_is_not_there_leaves_its_place() {
     let folder = Folder::new();
     let image = "label = \"photograph\"\nimage = \"photos/no-such.png\"";
     let place = registry(&folder, &[image, "label = \"hairs\"\nscene = \"scene.toml\""]);
-    let (code, text) = make(&folder, &["x-small", "--quick", "--bless"]);
-    assert!(code == Some(0) && text.contains("photos/no-such.png is not there"), "{text}");
+    let run = make(&folder, &["x-small", "--quick", "--bless"]).expect(0, &[]);
+    assert!(run.out.contains("photos/no-such.png is not there"), "{}", run.out);
     assert!(!place.join("golden").exists(), "a place for a picture is not kept as if it were one");
     let slot = io::read(place.join("result/a_photograph.png")).unwrap();
     assert_eq!((slot.width, slot.height), (48, 30));

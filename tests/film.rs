@@ -1,50 +1,13 @@
 //! The film after rendering: writing, reading, tone mapping, backgrounds.
 
+use crate::common::films::{chart, plain};
+use crate::common::{assets, message, names};
 use glam::Vec3;
-use pelage::{
-    Error, Scene,
-    assets::Assets,
-    film::{Film, Metadata, composite, io, resample, tonemap},
-    scene::{Background, FilmSpec, Tonemap},
-};
-use std::path::{Path, PathBuf};
-
-fn plain() -> FilmSpec {
-    FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() }
-}
-
-fn chart(width: u32, height: u32) -> Film {
-    let (w, h) = (width as f32, height as f32);
-    let pixels: Vec<[f32; 4]> = (0..width * height)
-        .map(|i| {
-            let (x, y) = ((i % width) as f32 / w, (i / width) as f32 / h);
-            let alpha = if x < 0.5 { 1.0 } else { y };
-            [x * alpha, y * alpha, 0.25 * alpha, alpha]
-        })
-        .collect();
-    Film::from_premultiplied(width, height, &pixels)
-}
-
-fn names(folder: &Path) -> Vec<String> {
-    let mut names: Vec<String> = std::fs::read_dir(folder)
-        .unwrap()
-        .map(|entry| entry.unwrap().file_name().to_string_lossy().into_owned())
-        .collect();
-    names.sort();
-    names
-}
-
-fn asset(name: &str) -> Option<PathBuf> {
-    let found = std::env::var_os("PELAGE_ASSETS").map(|folder| PathBuf::from(folder).join(name));
-    if found.is_none() {
-        println!("skipped: PELAGE_ASSETS is not set");
-    }
-    found
-}
-
-fn message<T: std::fmt::Debug>(result: pelage::Result<T>) -> String {
-    result.expect_err("expected an error").to_string()
-}
+use pelage_core::assets::Assets;
+use pelage_core::film::{Film, Metadata, composite, io, resample, tonemap};
+use pelage_core::scene::{Background, FilmSpec, Tonemap};
+use pelage_core::{Error, Scene};
+use std::path::Path;
 
 // Writing and reading.
 
@@ -172,7 +135,7 @@ fn a_failed_write_keeps_the_old_file() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("a.exr");
     std::fs::write(&path, "old").unwrap();
-    let failing = pelage::files::write_atomically(&path, |file| {
+    let failing = pelage_core::files::write_atomically(&path, |file| {
         std::io::Write::write_all(file, b"half of the new one")?;
         Err("no space left".into())
     });
@@ -257,13 +220,9 @@ fn forged_sizes_are_refused_before_allocation() {
     assert!(forge(both, 1_000_000).contains("limit"), "beyond the pixel cap");
     assert!(forge(both, 9_999).contains("truncated"), "blocks that the file has no room for");
     assert!(forge(&[b"displayWindow"], 99).contains("display window"), "odd data window");
-    let mut png = Vec::new();
-    {
-        let mut path = folder.path().join("good.png");
-        io::write(&chart(8, 8), &path, &Metadata::default(), &plain()).unwrap();
-        png.extend(std::fs::read(&path).unwrap());
-        path.pop();
-    }
+    let path = folder.path().join("good.png");
+    io::write(&chart(8, 8), &path, &Metadata::default(), &plain()).unwrap();
+    let mut png = std::fs::read(&path).unwrap();
     // Width in IHDR; its checksum is then wrong too, which is as clear an error.
     png[16..20].copy_from_slice(&0x7fff_ffffu32.to_be_bytes());
     let path = folder.path().join("forged.png");
@@ -322,11 +281,13 @@ fn tone_maps_have_their_known_values() {
     let grey = |kind, v| tonemap::tone_map(kind, Vec3::splat(v));
     let near = |a: Vec3, b: Vec3| assert!((a - b).abs().max_element() < 1e-4, "{a} {b}");
     near(grey(Tonemap::None, 0.18), Vec3::splat(0.18));
-    // Neutral takes 0.04 off and leaves the middle alone; at 1.0 the peak 0.96 becomes 1 - 0.0576 / 0.44.
+    // Neutral takes 0.04 off and leaves the middle alone; at 1.0 the peak 0.96 becomes 1 - 0.0576 /
+    // 0.44.
     near(grey(Tonemap::Neutral, 0.5), Vec3::splat(0.46));
     near(grey(Tonemap::Neutral, 0.04), Vec3::splat(0.04 * 0.04 * 6.25));
     near(grey(Tonemap::Neutral, 1.0), Vec3::splat(1.0 - 0.0576 / 0.44));
-    // A saturated bright red loses a little saturation: p = 4, p_n = 1 - 0.0576 / 3.48, g = 1 / (0.15 (p - p_n) + 1).
+    // A saturated bright red loses a little saturation: p = 4, p_n = 1 - 0.0576 / 3.48, g = 1 /
+    // (0.15 (p - p_n) + 1).
     let (p, p_n) = (4.0f32, 1.0 - 0.0576 / 3.48);
     let g = 1.0 / (0.15 * (p - p_n) + 1.0);
     near(
@@ -414,7 +375,7 @@ fn missing_backgrounds_are_scene_errors() {
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("no-such.png"));
     scene.film.background = Background::Environment;
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("[environment]"));
-    scene.environment = Some(pelage::scene::Environment::default());
+    scene.environment = Some(pelage_core::scene::Environment::default());
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("visible"));
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.png"), "bad").unwrap();
@@ -444,14 +405,15 @@ fn a_plate_covers_the_film_without_stretching() {
 
 #[test]
 fn the_environment_behind_the_fur_is_the_plate_of_the_same_view() {
-    let Some(plate) = asset("plates/chinese_garden_plate_yaw0_fov60.png") else { return };
+    let Some(folder) = assets() else { return };
+    let plate = folder.join("plates/chinese_garden_plate_yaw0_fov60.png");
     let mut scene = Scene::default();
     // The plate: towards -Z, horizontal field of view 60 degrees, 960 x 540, exposure 1.
     scene.camera.eye = [0.0; 3];
     scene.camera.target = [0.0, 0.0, -1.0];
     scene.camera.fov = 2.0 * (30f32.to_radians().tan() * 540.0 / 960.0).atan().to_degrees();
     scene.film.background = Background::Environment;
-    scene.environment = Some(pelage::scene::Environment {
+    scene.environment = Some(pelage_core::scene::Environment {
         map: "env/chinese_garden_1k.hdr".into(),
         visible: true,
         ..Default::default()

@@ -1,19 +1,14 @@
 //! `film` against its twin: samples of every kind to pixels.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu::{self, Fixture, Tile};
+use crate::common::worlds::{self, ball};
 use bytemuck::Zeroable;
-use gpu::{Fixture, Tile};
-use pelage::gpu::Recorder;
-use pelage::gpu::recorder::Timings;
-use pelage::layout::Reconstruction;
-use pelage::reference::film::{PLANES, Sample, pixel, unpack};
-use pelage::reference::hash::{hash2, random};
-use pelage::scene::Filter;
-use worlds::ball;
+use pelage_core::scene::Filter;
+use pelage_fur::layout::Reconstruction;
+use pelage_fur::random::{hash2, random};
+use pelage_gpu::Recorder;
+use pelage_gpu::recorder::Timings;
+use pelage_render::twin::film::{PLANES, Sample, pixel, unpack};
 
 /// Samples with all fields at random; some see nothing.
 fn samples(count: u32) -> Vec<[u32; 8]> {
@@ -31,8 +26,8 @@ fn samples(count: u32) -> Vec<[u32; 8]> {
 
 /// Weights along an axis, and their number.
 fn weights(filter: Filter, grid: u32) -> (u32, [[f32; 4]; 32], u32) {
-    let radius = pelage::film::filter::usual_radius(filter);
-    let (margin, found) = pelage::film::filter::sample_weights(filter, radius, grid).expect("weights");
+    let radius = pelage_core::film::filter::usual_radius(filter);
+    let (margin, found) = pelage_core::film::filter::sample_weights(filter, radius, grid).expect("weights");
     let mut packed = [[0.0; 4]; 32];
     found.iter().enumerate().for_each(|(i, w)| packed[i / 4][i % 4] = *w);
     (margin, packed, found.len() as u32)
@@ -41,7 +36,7 @@ fn weights(filter: Filter, grid: u32) -> (u32, [[f32; 4]; 32], u32) {
 #[test]
 fn pixels_agree_with_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage::scene::FurLayers::Base));
+    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage_core::scene::FurLayers::Base));
     for (filter, grid) in [(Filter::Box, 1), (Filter::Box, 3), (Filter::Gaussian, 2), (Filter::Mitchell, 4)] {
         let (reach, weights, taps) = weights(filter, grid);
         let pixels = [7u32, 5];
@@ -104,7 +99,7 @@ fn even_image_stays_even() {
             s.film.width = 24;
             s.film.height = 16;
             // From within the ball: all that is seen is the skin's inner side, of alpha 1.
-            s.render.fur = pelage::scene::FurLayers::Base;
+            s.render.fur = pelage_core::scene::FurLayers::Base;
             s.camera.eye = [0.0, 0.0, 0.1];
         });
         let film = worlds::render(&world).film;

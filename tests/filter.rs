@@ -1,12 +1,16 @@
 //! Reconstruction filters.
 
-use pelage::{Error, film::filter, scene::Filter};
+use crate::common::cases;
+use pelage_core::Error;
+use pelage_core::film::filter;
+use pelage_core::scene::Filter;
 use proptest::prelude::*;
 
 const FILTERS: [Filter; 4] = [Filter::Box, Filter::Triangle, Filter::Gaussian, Filter::Mitchell];
 
 proptest! {
-    #![proptest_config(ProptestConfig { failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(256))]
+
     #[test]
     fn sample_weights_are_symmetric_and_add_up_to_one(
         which in 0usize..4, radius in 0.01f32..4.0, k in 1u32..17,

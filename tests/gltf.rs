@@ -1,32 +1,20 @@
-//! The glTF of a fur: what is in the buffer, read back by its accessors, and what is refused.
+//! The glTF of a fur: what is in the buffer, read back by its accessors, and what fails with an
+//! error.
 
-mod common;
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
-use common::Folder;
+use crate::common::Folder;
+use crate::common::gpu::{self, world};
+use crate::common::shellfins::{Fur, even};
 use glam::{Vec2, Vec3};
-use pelage::{
-    Scene, World,
-    assets::Assets,
-    bake::{FurTextures, Manifest, Texture, gltf},
-    lapped::Lapped,
-    mesh::topology,
-    scene::BakeSource,
-    skin::NONE,
-};
+use pelage_core::World;
+use pelage_core::mesh::topology;
+use pelage_core::scene::BakeSource;
+use pelage_core::skin::NONE;
+use pelage_shells::bake::{FurTextures, Manifest, Texture, gltf};
+use pelage_shells::lapped::Lapped;
 use serde_json::Value;
-use shellfins::{Fur, even};
 use std::collections::HashMap;
 
 const PATCH: f32 = 1.5;
-
-fn world(scene: &str) -> World {
-    let scene = Scene::parse(scene, "gltf.toml", &[]).unwrap();
-    World::load(scene, &Assets::default()).unwrap()
-}
 
 fn textures() -> FurTextures {
     let blank = |width, height| Texture { width, height, texels: vec![[0.0; 4]; (width * height) as usize] };
@@ -53,7 +41,7 @@ fn textures() -> FurTextures {
     }
 }
 
-/// Two patches: faces that look to +x and the others, each flattened by leaving a coordinate out.
+/// Two patches: faces that face +x and the others, each flattened by leaving a coordinate out.
 fn lapped(world: &World) -> Lapped {
     let skin = &world.skin;
     let corner_uv = (0..skin.triangles.len()).map(|t| {
@@ -161,7 +149,8 @@ fn corners_read_back_are_those_of_skin_and_patches() {
                 }
             }
         }
-        // Vertices are shared inside a patch: fewer than corners, more than the skin's where patches meet.
+        // Vertices are shared inside a patch: fewer than corners, more than the skin's where
+        // patches meet.
         assert!(
             positions.len() < 2 * world.skin.positions.len() && positions.len() >= world.skin.positions.len()
         );
@@ -271,7 +260,7 @@ fn the_renderer_draws_what_is_written() {
         let clothed = gltf::clothe(&a, &lapped(&a), &textures.manifest).unwrap();
         let extras = Document::with(&a, &textures).extras().clone();
         let extras: gltf::Extras = serde_json::from_value(extras).unwrap();
-        let bend = pelage::shellfin::Pose::at(&a, 0.0, 2.5).bend;
+        let bend = pelage_shells::shellfin::Pose::at(&a, 0.0, 2.5).bend;
         let fur = Fur::new(gpu, b, textures, bend);
         let vertices = a.skin.positions.len();
         let count = (fur.rows.rows.len() * vertices) as u64;
@@ -281,7 +270,8 @@ fn the_renderer_draws_what_is_written() {
             for i in 0..clothed.positions.len() {
                 let [x, y, z, _] = places[r * vertices + clothed.origin[i] as usize];
                 let place = clothed.positions[i] + hair(&clothed, i, row.height);
-                // The renderer keeps the length at every height, the curve at its tip: a difference of second order in the bend.
+                // The renderer keeps the length at every height, the curve at its tip: a difference
+                // of second order in the bend.
                 assert!(place.distance(Vec3::new(x, y, z)) < 1e-2, "{source:?} row {r} vertex {i}: {place}");
                 lowered += usize::from(clothed.hairs[i][2].dot(clothed.upright[i]) < 2.0);
             }

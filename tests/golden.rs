@@ -2,15 +2,19 @@
 //!
 //! After a change that is meant to change pictures, look at them and keep the new ones:
 //!
-//!     PELAGE_BLESS=1 cargo test --release --test golden
+//!     PELAGE_BLESS=1 cargo test --release --test pelage golden::
 //!
 //! A picture that fails is written to `target/golden/` beside its error image.
 
-use pelage::compare::{self, Comparison, ErrorImage, Thresholds};
-use pelage::film::{Film, Metadata, composite, io};
-use pelage::render::{self, RenderOptions};
-use pelage::scene::{FilmSpec, Tonemap};
-use pelage::{Scene, World, gpu::Gpu};
+use crate::common::films::plain;
+use crate::common::root;
+use pelage_core::film::{Film, Metadata, composite, io};
+use pelage_core::{Scene, World};
+use pelage_gpu::Gpu;
+use pelage_render as render;
+use pelage_render::RenderOptions;
+use pelage_studies::compare;
+use pelage_studies::compare::{Comparison, ErrorImage, Thresholds};
 use std::path::{Path, PathBuf};
 
 /// Name, scene, overrides.
@@ -27,7 +31,8 @@ const PICTURES: &[(&str, &str, &[&str])] = &[
 const COMMON: &[&str] =
     &["film.width=160", "film.height=100", "film.spp=4", "undercoat.cell=0.08", "undercoat.layers=12"];
 
-/// Drivers differ in the last bits, and where a hair just covers a sample or not; fur that is lit or placed differently is past these.
+/// Drivers differ in the last bits, and where a hair just covers a sample or not; fur that is lit
+/// or placed differently is past these.
 const LIMITS: Thresholds = Thresholds {
     rmse: Some(0.012),
     flip: Some(0.03),
@@ -41,10 +46,6 @@ const LIMITS: Thresholds = Thresholds {
     alpha_difference: None,
     max_abs: None,
 };
-
-fn root() -> PathBuf {
-    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
-}
 
 fn kept(name: &str) -> PathBuf {
     root().join("tests/golden").join(format!("{name}.png"))
@@ -60,10 +61,6 @@ fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
     let path = folder.join("picture.png");
     io::write(&frame.film, &path, &Metadata::default(), &world.scene.film).expect("it is written");
     io::read(&path).expect("it is read back")
-}
-
-fn plain() -> FilmSpec {
-    FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() }
 }
 
 #[test]

@@ -1,19 +1,16 @@
 //! `guard_bins` against its twin: each tile has the strands that touch it, each once.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, Tile, jittered_grid, scaled, world_on};
-use pelage::gpu::Recorder;
-use pelage::gpu::recorder::Timings;
-use pelage::layout::Root;
-use pelage::reference::guard_bins::{Tiles, may_touch, touched};
-use pelage::reference::guard_raster::segment;
-use pelage::reference::strands::position;
+use crate::common::gpu::{self, Fixture, Tile, jittered_grid, scaled, world_on};
+use pelage_fur::layout::Root;
+use pelage_fur::strands::position;
+use pelage_gpu::Recorder;
+use pelage_gpu::recorder::Timings;
+use pelage_render::twin::guard_bins::{Tiles, may_touch, touched};
+use pelage_render::twin::guard_raster::segment;
 
 const FILM: [u32; 2] = [150, 100];
 
-fn fixture(gpu: &'static pelage::gpu::Gpu, camera: &str) -> Fixture {
+fn fixture(gpu: &'static pelage_gpu::Gpu, camera: &str) -> Fixture {
     let scene = format!(
         "[camera]\n{camera}\n[guard]\ndensity = 8\nlength = 0.8\nsegments = 5\n[render]\nfur = \"explicit\"\n"
     );
@@ -32,7 +29,7 @@ fn bins(fixture: &Fixture, tile: &Tile, tiles: &Tiles) -> Vec<Vec<u32>> {
         .uniform("tiles", &[x, y, tiles.size[0], tiles.size[1], w, h, tiles.margin.to_bits(), 0])
         .unwrap();
     let counts = p.gpu.storage("bin_counts", 6, n * 4).unwrap();
-    let run = |list: Option<(&pelage::gpu::Buffer, &pelage::gpu::Buffer)>| {
+    let run = |list: Option<(&pelage_gpu::Buffer, &pelage_gpu::Buffer)>| {
         let mut recorder = Recorder::new(p.gpu);
         recorder.clear(&counts, n * 4);
         let scope = strands.scope(&tile.scope(fixture)).with(&[&uniform, &counts]);

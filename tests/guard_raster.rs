@@ -1,21 +1,18 @@
 //! `guard_raster` against its twin, and the coverage of ribbons.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, Node, Tile, jittered_grid, scaled, world_on};
 use glam::{Vec3, Vec4};
-use gpu::{Fixture, Node, Tile, jittered_grid, scaled, world_on};
-use pelage::gpu::Recorder;
-use pelage::gpu::recorder::Timings;
-use pelage::layout::Root;
-use pelage::reference::base_raster::NO_BASE;
-use pelage::reference::guard_raster::{ribbon_coverage, segment};
-use pelage::reference::strands::{radius, vertex};
-use pelage::reference::view::{ray_through, samples_per_slope};
+use pelage_fur::layout::Root;
+use pelage_fur::strands::{radius, vertex};
+use pelage_fur::view::{ray_through, samples_per_slope};
+use pelage_gpu::Recorder;
+use pelage_gpu::recorder::Timings;
+use pelage_render::twin::base_raster::NO_BASE;
+use pelage_render::twin::guard_raster::{ribbon_coverage, segment};
 
 const FILM: [u32; 2] = [160, 110];
 
-fn fixture(gpu: &'static pelage::gpu::Gpu, diameter: f32, segments: u32) -> Fixture {
+fn fixture(gpu: &'static pelage_gpu::Gpu, diameter: f32, segments: u32) -> Fixture {
     let scene = format!(
         "[camera]\neye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40\n[[lights]]\n[guard]\ndensity = 5\nlength = 0.8\ntip_fade = 1\n\
          diameter = [{diameter}, {diameter}, 10]\nsegments = {segments}\n[render]\nfur = \"explicit\"\n"

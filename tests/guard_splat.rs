@@ -1,20 +1,16 @@
 //! `guard_splat` against its twin: nothing of the guard hairs is lost between strands and lattice.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, jittered_grid, scaled, world_on};
-use pelage::gpu::Recorder;
-use pelage::gpu::recorder::Timings;
-use pelage::layout::{Column, Root};
-use pelage::reference::guard_splat::{deposits, extinction, volume};
-use pelage::reference::strands::{position, radius};
-use pelage::reference::undercoat::Undercoat;
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
+use pelage_fur::layout::{Column, Root};
+use pelage_fur::strands::{position, radius};
+use pelage_gpu::Recorder;
+use pelage_gpu::recorder::Timings;
+use pelage_render::twin::guard_splat::{deposits, extinction, volume};
 
 /// Fixed point of the deposits, 1/cm2.
 const FIXED_POINT: f64 = 4_194_304.0;
 
-fn haired(size: f32, guard: &str) -> pelage::World {
+fn haired(size: f32, guard: &str) -> pelage_core::World {
     let density = 4.0 / (size * size);
     let scene = format!(
         "[guard]\ndensity = {density}\nsegments = 8\n{guard}\n[undercoat]\nheight = {}\nlayers = 1\nsubdivision = 0\n",
@@ -65,7 +61,7 @@ fn deposits_are_those_of_the_twin() {
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // What the passes kept.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-        let coat = Undercoat { fur: &fixture.fur, noise: fixture.noise(), shell: &fixture.shell, cells: &[] };
+        let coat = fixture.undercoat(&[]);
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
         let mut seen = [0.0f32; 2];
         for (i, word) in kept.iter().enumerate() {

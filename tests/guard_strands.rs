@@ -1,14 +1,11 @@
 //! `guard_strands` against its twin, and the shape of the strands.
 
-#[path = "common/gpu.rs"]
-mod gpu;
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
+use pelage_fur::guard_strands::{diameter, strand};
+use pelage_fur::layout::Root;
+use pelage_fur::strands::{opacity, position, radius};
 
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
-use pelage::layout::Root;
-use pelage::reference::guard_strands::{diameter, strand};
-use pelage::reference::strands::{opacity, position, radius};
-
-fn haired(guard: &str) -> pelage::World {
+fn haired(guard: &str) -> pelage_core::World {
     let scene = format!("[guard]\ndensity = 6\n{guard}\n[render]\nfur = \"explicit\"\nseed = 4\n");
     let map = image("map.png", false, 16, |u, v| [0.3 + 0.7 * u, v, 0.5, 1.0]);
     let mut skin = scaled(jittered_grid(5, 0.2), 1.0, 5.0);
@@ -71,7 +68,7 @@ fn strands_are_as_long_as_they_should_be_and_stay_above_the_skin() {
 
 #[test]
 fn the_diameter_goes_from_root_to_widest_to_tip() {
-    let groom = pelage::groom::pack(&haired(PLAIN)).unwrap().groom;
+    let groom = pelage_fur::groom::pack(&haired(PLAIN)).unwrap().groom;
     let [root, widest, tip] = groom.diameter;
     for (s, wanted) in [(0.0, root), (groom.widest, widest), (1.0, tip)] {
         assert!((diameter(&groom, s) - wanted).abs() < 1e-6 * widest, "at {s}");

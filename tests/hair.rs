@@ -1,9 +1,9 @@
 //! HAIR files: what is written reads back, and nothing else is believed.
 
+use crate::common::{assets, cases};
 use glam::Vec3;
-use pelage::hair::HairFile;
+use pelage_core::hair::HairFile;
 use proptest::prelude::*;
-use std::path::Path;
 
 fn sample(segments: Vec<u16>, arrays: bool) -> HairFile {
     let points: usize = segments.iter().map(|s| usize::from(*s) + 1).sum();
@@ -107,6 +107,8 @@ fn forged_and_truncated_files_are_refused() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn no_bytes_make_the_reader_panic(tail in prop::collection::vec(any::<u8>(), 0..300)) {
         let _ = HairFile::from_bytes(&tail);
@@ -116,11 +118,8 @@ proptest! {
 
 #[test]
 fn the_straight_hair_model_reads() {
-    let Some(assets) = std::env::var_os("PELAGE_ASSETS") else {
-        println!("skipped: PELAGE_ASSETS is not set");
-        return;
-    };
-    let hair = HairFile::read(&Path::new(&assets).join("hair/straight.hair")).expect("straight.hair");
+    let Some(folder) = assets() else { return };
+    let hair = HairFile::read(&folder.join("hair/straight.hair")).expect("straight.hair");
     assert_eq!((hair.segments.len(), hair.points.len(), hair.colors.len()), (10_000, 160_000, 160_000));
     assert!(hair.segments.iter().all(|s| *s == 15));
     assert!(hair.thickness.is_empty() && hair.transparency.is_empty());

@@ -1,17 +1,14 @@
 //! `hair_roots` against its twin, and the statistics of the roots.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use glam::Vec3;
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
-use pelage::layout::Root;
-use pelage::reference::groom::{Parameter, skin_point};
-use pelage::reference::hair_roots::Roots;
-use pelage::reference::hash::{hash2, random};
+use pelage_fur::hair_roots::Roots;
+use pelage_fur::layout::Root;
+use pelage_fur::parameters::{Parameter, skin_point};
+use pelage_fur::random::{hash2, random};
 
 /// A bumpy grid of 8 x 8 cm with guard hairs.
-fn hairy(density: &str, seed: u32) -> pelage::World {
+fn hairy(density: &str, seed: u32) -> pelage_core::World {
     let scene = format!(
         "[guard]\ndensity = {density}\nlength = 0.1\nsegments = 1\n[render]\nfur = \"explicit\"\nseed = {seed}\n"
     );
@@ -97,7 +94,8 @@ fn thinning_follows_the_map() {
         skin_point(&fixture.shell, r.prism, Vec3::new(1.0 - l1 - l2, l1, l2)).uv.x
     };
     assert!(!found.iter().any(|r| u(r) < 0.45 && u(r) > 0.05), "roots where the map is bald");
-    // The density rises evenly from the middle on: three quarters of the hairs stand in the last quarter.
+    // The density rises evenly from the middle on: three quarters of the hairs stand in the last
+    // quarter.
     let part = |low: f32, high: f32| found.iter().filter(|r| (low..high).contains(&u(r))).count() as f32;
     let share = part(0.75, 0.95) / part(0.55, 0.95);
     close_to(share, (0.9f32.powi(2) - 0.5f32.powi(2)) / (0.9f32.powi(2) - 0.1f32.powi(2)), 0.04);
@@ -111,7 +109,7 @@ fn close_to(a: f32, b: f32, tolerance: f32) {
 /// Chi-square of points over the 64 subelements of their triangles.
 fn chi_square(lambdas: &[Vec3]) -> f64 {
     let mut bins = [0.0f64; 64];
-    lambdas.iter().for_each(|l| bins[pelage::reference::shell::subelement(*l, 3) as usize] += 1.0);
+    lambdas.iter().for_each(|l| bins[pelage_fur::shell::subelement(*l, 3) as usize] += 1.0);
     let mean = lambdas.len() as f64 / 64.0;
     bins.iter().map(|n| (n - mean).powi(2) / mean).sum()
 }
@@ -124,7 +122,8 @@ fn roots_are_uniform_in_their_triangles() {
     let lambdas: Vec<Vec3> =
         found.iter().map(|r| Vec3::new(1.0 - r.lambda[0] - r.lambda[1], r.lambda[0], r.lambda[1])).collect();
     assert!(lambdas.iter().all(|l| l.min_element() > -1e-6));
-    // 63 degrees of freedom: 0.1% of random points exceed 103; the recurrence is more even than random points.
+    // 63 degrees of freedom: 0.1% of random points exceed 103; the recurrence is more even than
+    // random points.
     assert!(chi_square(&lambdas) < 103.0, "{}", chi_square(&lambdas));
     // Without the square root points gather at corner 0.
     let gathered: Vec<Vec3> = lambdas

@@ -1,10 +1,8 @@
 //! `shared/random` and `shared/octahedral` against their twins.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu;
 use glam::Vec3;
-use pelage::reference::{hash, octahedral};
+use pelage_fur::{octahedral, random as hash};
 
 const CODE: &str = "
 #import shared/random

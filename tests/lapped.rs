@@ -1,25 +1,16 @@
 //! Lapped patches: what must hold on any mesh.
 
-mod common;
-
-use common::{Folder, assets, command, pelage};
+use crate::common::shapes::{SHAPES, shape};
+use crate::common::{Folder, assets, cases, command, json, pelage, run};
 use glam::{DVec2, DVec3, Vec2, Vec3};
-use pelage::lapped::{Lapped, contains, lap};
-use pelage::mesh::{self, Mesh};
-use pelage::scene::{FieldSource, FieldVector, LappedSpec, MeshSpec, Scene, Shape};
-use pelage::{Error, Result, Skin};
+use pelage_core::Skin;
+use pelage_core::mesh;
+use pelage_core::mesh::Mesh;
+use pelage_core::scene::{FieldSource, FieldVector, LappedSpec, Scene, Shape};
+use pelage_shells::lapped::{Lapped, contains, lap};
 use proptest::prelude::*;
 use rayon::prelude::*;
 use std::collections::BTreeSet;
-use std::path::PathBuf;
-
-fn no_file(name: &str) -> Result<PathBuf> {
-    Err(Error::fault(name, "not found"))
-}
-
-fn shape(shape: Shape) -> Skin {
-    mesh::load(&MeshSpec { shape: Some(shape), ..MeshSpec::default() }, &no_file).expect("shapes load")
-}
 
 fn skin(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Skin {
     mesh::skin_of(Mesh { positions, triangles, ..Mesh::default() })
@@ -37,7 +28,8 @@ fn made(skin: &Skin, scene: &Scene, name: &str) -> Lapped {
     lapped
 }
 
-/// The map from a face to uv: u and v for the face's directions `s` and normal × `s`; `None` for a needle.
+/// The map from a face to uv: u and v for the face's directions `s` and normal × `s`; `None` for a
+/// needle.
 fn jacobian(corners: [DVec3; 3], uv: &[Vec2; 3], s: DVec3) -> Option<[DVec2; 2]> {
     let (a, b) = (corners[1] - corners[0], corners[2] - corners[0]);
     let longest = a.length().max(b.length()).max(a.distance(b));
@@ -134,17 +126,6 @@ fn check_disc(skin: &Skin, faces: &[u32], name: &str) {
     assert!(joined.iter().skip(1).all(|j| *j), "{name} is not connected");
 }
 
-const SHAPES: [Shape; 8] = [
-    Shape::CylinderPelt,
-    Shape::Hat,
-    Shape::Sphere,
-    Shape::Plane,
-    Shape::Torus,
-    Shape::Pyramid,
-    Shape::Die,
-    Shape::Critter,
-];
-
 #[test]
 fn every_shape_is_covered_in_every_way() {
     SHAPES.into_par_iter().for_each(|which| {
@@ -202,7 +183,7 @@ fn isotropic_patches_are_turned_at_random() {
     let skin = shape(Shape::Plane);
     let turns = |aligned| {
         let lapped = made(&skin, &scene(|s| s.aligned = aligned), "plane");
-        let turn = |(patch, p): (&pelage::lapped::Patch, usize)| {
+        let turn = |(patch, p): (&pelage_shells::lapped::Patch, usize)| {
             let f = patch.faces[p] as usize;
             let corners = skin.corners(f).map(|p| p.as_dvec3());
             jacobian(corners, &patch.corner_uv[p], lapped.field[f].as_dvec3()).unwrap()[0].normalize()
@@ -247,7 +228,7 @@ fn parts_isolated_faces_and_needles_are_covered() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 64, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(64))]
 
     /// Soups: faces that cross, share edges with many others, and are of any thickness.
     #[test]
@@ -330,7 +311,7 @@ fn gravity_and_comb_follow_their_direction() {
         assert!(n.y.abs() > 0.9 || gravity.field[f].dot(down) > 0.99, "{f}: {}", gravity.field[f]);
         assert!(combed.field[f].distance(gravity.field[f]) < 1e-5);
     }
-    // A level skin has no way down and is covered all the same.
+    // On a level skin no direction points down; it is covered all the same.
     made(&shape(Shape::Plane), &scene(|s| s.field = FieldSource::Gravity), "level");
 }
 
@@ -433,9 +414,8 @@ fn the_command_writes_patches_pictures_and_statistics() {
     for part in ["faces        4\n", "patches", "coverage     100.00%", "flipped      0\n"] {
         assert!(run.out.contains(part), "no {part:?} in {}", run.out);
     }
-    let json: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(format!("{out}/lapped.json")).unwrap()).unwrap();
-    let s = &json["statistics"];
+    let record = json(format!("{out}/lapped.json"));
+    let s = &record["statistics"];
     assert_eq!(
         (s["coverage"].as_f64(), s["flipped"].as_u64(), s["faces"].as_u64()),
         (Some(1.0), Some(0), Some(4))
@@ -458,14 +438,13 @@ fn the_command_writes_patches_pictures_and_statistics() {
     let more = ["--field", "gravity", "--irregularity", "0.1", "-D", "mesh.size=2"];
     let run = pelage(&[&args[..], &more].concat()).expect(0, &[]);
     assert!(run.out.is_empty() && run.err.is_empty(), "{run:?}");
-    let json: serde_json::Value =
-        serde_json::from_str(&std::fs::read_to_string(format!("{out}/lapped.json")).unwrap()).unwrap();
-    assert_eq!(json["lapped"]["overlapping"], true);
-    assert_eq!(json["lapped"]["field"], "gravity");
-    assert!(json["statistics"]["mean_angle_error"].is_null());
+    let record = json(format!("{out}/lapped.json"));
+    assert_eq!(record["lapped"]["overlapping"], true);
+    assert_eq!(record["lapped"]["field"], "gravity");
+    assert!(record["statistics"]["mean_angle_error"].is_null());
     let text = std::fs::read_to_string(format!("{out}/patches.obj")).unwrap();
     let groups = text.lines().filter(|l| l.starts_with("g ")).count();
-    assert_eq!(json["statistics"]["patches"], groups);
+    assert_eq!(record["statistics"]["patches"], groups);
 }
 
 #[test]
@@ -477,27 +456,26 @@ fn the_command_says_what_is_wrong() {
     let vectors =
         "[mesh]\nshape = 'sphere'\n[lapped]\nfield = 'vectors'\n[[lapped.vectors]]\nat = [0, 5, 0]\n";
     let zero = folder.write("zero.toml", format!("{vectors}direction = [0, 0, 0]\n"));
-    let run = |args: &[&str], code, parts: &[&str]| {
+    let fails = |args: &[&str], code, parts: &[&str]| {
         pelage(&[&["lapped", "-o", &out], args].concat()).expect(code, parts);
     };
-    run(&[&bare], 3, &["bare.obj", "no "]);
-    run(&[&folder.at("none.obj")], 3, &["none.obj", "not there"]);
-    run(&[&folder.at("none.toml")], 3, &["none.toml"]);
-    run(&[&zero], 3, &["lapped.vectors.0", "not zero"]);
-    run(&[&fine, "--wavy"], 2, &["--wavy"]);
-    run(&[&fine, "--field", "north"], 2, &["north", "gravity"]);
-    run(&[&fine, "--radius", "wide"], 2, &["wide"]);
-    run(&[&fine, "--radius", "0"], 3, &["lapped.radius"]);
-    run(&[&fine, "--irregularity", "2"], 3, &["lapped.irregularity"]);
-    run(&[&fine, "--field", "groom"], 3, &["guard.comb_direction"]);
-    run(&[&fine, "-D", "lapped.radios=2"], 3, &["radios", "radius"]);
-    run(&[&fine, "-D", "no_value"], 2, &["key.path=value"]);
+    fails(&[&bare], 3, &["bare.obj", "no "]);
+    fails(&[&folder.at("none.obj")], 3, &["none.obj", "not there"]);
+    fails(&[&folder.at("none.toml")], 3, &["none.toml"]);
+    fails(&[&zero], 3, &["lapped.vectors.0", "not zero"]);
+    fails(&[&fine, "--wavy"], 2, &["--wavy"]);
+    fails(&[&fine, "--field", "north"], 2, &["north", "gravity"]);
+    fails(&[&fine, "--radius", "wide"], 2, &["wide"]);
+    fails(&[&fine, "--radius", "0"], 3, &["lapped.radius"]);
+    fails(&[&fine, "--irregularity", "2"], 3, &["lapped.irregularity"]);
+    fails(&[&fine, "--field", "groom"], 3, &["guard.comb_direction"]);
+    fails(&[&fine, "-D", "lapped.radios=2"], 3, &["radios", "radius"]);
+    fails(&[&fine, "-D", "no_value"], 2, &["key.path=value"]);
     pelage(&["lapped", &fine]).expect(2, &["--outfile"]);
     pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH.obj"]);
     let taken = folder.write("taken", "");
     pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be made"]);
     let mut here = command();
     here.current_dir(folder.path()).args(["lapped", "fine.obj", "-o", "out"]);
-    let run: common::Run = here.output().unwrap().into();
-    run.expect(0, &[]);
+    run(&mut here).expect(0, &[]);
 }

@@ -1,6 +1,6 @@
 //! The structs of `layout.rs` lie in memory as WGSL lays them out.
 
-use pelage::gpu::shader;
+use pelage_gpu::shader;
 use std::collections::BTreeMap;
 
 /// Name -> (size, fields) as naga lays the structs of all shaders out.
@@ -21,7 +21,7 @@ fn wgsl_structs() -> BTreeMap<String, (u32, Vec<(String, u32)>)> {
 #[test]
 fn structs_agree_with_wgsl() {
     let wgsl = wgsl_structs();
-    for (name, size, fields) in pelage::layout::STRUCTS {
+    for (name, size, fields) in pelage_fur::layout::STRUCTS {
         let (span, members) = wgsl.get(*name).unwrap_or_else(|| panic!("no WGSL struct {name}"));
         let rust: Vec<(String, u32)> = fields
             .iter()

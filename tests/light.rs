@@ -1,17 +1,13 @@
 //! Environment maps and the lights made of them.
 
+use crate::common::{assets, cases};
 use glam::{DVec3, Quat, Vec3};
-use pelage::{
-    Error, Scene,
-    assets::Assets,
-    film::Film,
-    light::{
-        Light,
-        environment::{Panorama, map_from_world, median_cut, uniform_sky},
-        lights_of,
-    },
-    scene::{DirectionalLight, Environment, Shading},
-};
+use pelage_core::assets::Assets;
+use pelage_core::film::Film;
+use pelage_core::light::environment::{Panorama, map_from_world, median_cut, uniform_sky};
+use pelage_core::light::{Light, lights_of};
+use pelage_core::scene::{DirectionalLight, Environment, Shading};
+use pelage_core::{Error, Scene};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -33,11 +29,12 @@ fn sum(lights: &[Light]) -> DVec3 {
 }
 
 fn luminance(v: Vec3) -> f32 {
-    pelage::film::tonemap::luminance(v)
+    pelage_core::film::tonemap::luminance(v)
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig { cases: 40, failure_persistence: None, ..ProptestConfig::default() })]
+    #![proptest_config(cases(40))]
+
     #[test]
     fn lights_have_the_energy_of_the_map(n in 1u32..=64, width in 2usize..90, height in 2usize..50, seed in 0f32..6.0) {
         let map = sky(width, height, seed);
@@ -71,7 +68,8 @@ fn the_energies_of_regions_are_even() {
         assert_eq!(lights.len(), n as usize);
         let energies: Vec<f32> = lights.iter().map(|l| luminance(l.irradiance)).collect();
         let (low, high) = energies.iter().fold((f32::MAX, 0f32), |(l, h), e| (l.min(*e), h.max(*e)));
-        // Halving the largest: no region has more than twice the energy of another, but for whole columns.
+        // Halving the largest: no region has more than twice the energy of another, but for whole
+        // columns.
         assert!(high / low < 2.2, "{n}: {low} {high}");
     }
 }
@@ -87,7 +85,8 @@ fn the_whole_sphere_is_four_pi() {
         assert!((sum(&lights) / four_pi - DVec3::new(1.0, 2.0, 0.5)).abs().max_element() < 1e-6);
         assert!(lights.iter().all(|l| (l.direction.length() - 1.0).abs() < 1e-6));
         if n >= 16 {
-            // Spread: the closest pair is nearly as far apart as n equal caps allow, the mean is near the centre.
+            // Spread: the closest pair is nearly as far apart as n equal caps allow, the mean is
+            // near the centre.
             let mean = lights.iter().map(|l| l.direction).sum::<Vec3>() / n as f32;
             let closest = (0..lights.len())
                 .flat_map(|i| (0..i).map(move |j| (i, j)))
@@ -137,7 +136,7 @@ fn turning_the_map_turns_the_lights() {
     let mut film = Film::from_premultiplied(64, 32, &pixels);
     film.planes.iter_mut().for_each(|p| p.full_precision = true);
     let path = folder.path().join("sky.exr");
-    pelage::film::io::write(&film, &path, &Default::default(), &Default::default()).unwrap();
+    pelage_core::film::io::write(&film, &path, &Default::default(), &Default::default()).unwrap();
     let assets = Assets { folders: vec![folder.path().to_owned()] };
     let of = |rotate: f32| {
         let environment = Environment {
@@ -157,7 +156,8 @@ fn turning_the_map_turns_the_lights() {
     }
     let expected = map.total() * DVec3::new(2.0, 1.0, 0.5);
     assert!(((sum(&still) - expected) / expected).abs().max_element() < 1e-6);
-    // The same as shifting the columns: 64 columns make a full turn, to the left for a positive one.
+    // The same as shifting the columns: 64 columns make a full turn, to the left for a positive
+    // one.
     let shifted = Panorama {
         texels: (0..64 * 32).map(|i| map.texels[i / 64 * 64 + (i % 64 + 16) % 64]).collect(),
         ..map.clone()
@@ -221,12 +221,9 @@ fn a_black_map_gives_no_light() {
 
 #[test]
 fn real_maps_keep_their_energy_and_find_the_sun() {
-    let Some(folder) = std::env::var_os("PELAGE_ASSETS") else {
-        println!("skipped: PELAGE_ASSETS is not set");
-        return;
-    };
+    let Some(folder) = assets() else { return };
     for name in ["brown_photostudio_02_1k", "chinese_garden_1k", "noon_grass_1k"] {
-        let map = Panorama::load(&Path::new(&folder).join(format!("env/{name}.hdr"))).unwrap();
+        let map = Panorama::load(&folder.join(format!("env/{name}.hdr"))).unwrap();
         let lights = median_cut(&map, 16);
         let (total, lit) = (map.total(), sum(&lights));
         assert!(((total - lit) / total).abs().max_element() < 1e-6, "{name}");
@@ -262,14 +259,15 @@ fn real_maps_keep_their_energy_and_find_the_sun() {
             }
             let film = Film::from_premultiplied(map.width as u32, map.height as u32, &pixels);
             let path = Path::new(&out).join(format!("{name}.png"));
-            pelage::film::io::write(&film, path, &Default::default(), &Default::default()).unwrap();
+            pelage_core::film::io::write(&film, path, &Default::default(), &Default::default()).unwrap();
         }
     }
 }
 
 #[test]
 fn no_two_lights_are_the_same_to_the_fur() {
-    // A sun of one degree in a smooth sky: every cut goes through it, yet it stays one light and the sky gets 15.
+    // A sun of one degree in a smooth sky: every cut goes through it, yet it stays one light and
+    // the sky gets 15.
     let mut map = sky(720, 360, 1.0);
     let sun = map.direction_of([400.0, 100.0]);
     for i in 0..map.texels.len() {

@@ -1,17 +1,14 @@
 //! `light_occlusion` against its twin, which tries every triangle.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::Fixture;
-use pelage::layout::Column;
-use pelage::reference::light_occlusion::bits;
+use crate::common::gpu::{self, Fixture};
+use pelage_fur::layout::Column;
+use pelage_render::twin::light_occlusion::bits;
 
 const LIGHTS: &str = "[[lights]]\ndirection = [0.3, 0.8, 0.1]\n[[lights]]\ndirection = [-1, 0.1, 0.2]\n\
     [[lights]]\ndirection = [0.1, -1, 0.3]\n[[lights]]\ndirection = [1, 0.0, 0.001]\n[environment]\nlights = 32\n";
 
 /// Columns of a shape and, for each, the bits of the GPU and of the twin.
-fn both(gpu: &'static pelage::gpu::Gpu, mesh: &str) -> (u32, Vec<(u64, u64)>) {
+fn both(gpu: &'static pelage_gpu::Gpu, mesh: &str) -> (u32, Vec<(u64, u64)>) {
     let scene = format!(
         "[mesh]\n{mesh}\n{LIGHTS}[undercoat]\nheight = 0.05\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
     );

@@ -1,18 +1,18 @@
-//! Maps of the groom: which are loaded, how they are looked up, what is refused.
+//! Maps of the groom: which are loaded, how they are looked up, which fail with an error.
 
 use glam::{Vec2, Vec3};
-use pelage::assets::Assets;
-use pelage::maps::{MapImage, MapSet};
-use pelage::scene::{ColorMap, Scalar, ScalarMap};
-use pelage::{Result, Scene};
+use pelage_core::assets::Assets;
+use pelage_core::maps::{MapImage, MapSet};
+use pelage_core::scene::{ColorMap, Scalar, ScalarMap};
+use pelage_core::{Result, Scene};
 use std::path::Path;
 
 fn scalar(map: &str) -> Scalar {
     Scalar::Mapped(ScalarMap { map: map.into(), channel: Default::default(), value: 1.0, offset: 0.0 })
 }
 
-fn color(map: &str) -> pelage::scene::Color {
-    pelage::scene::Color::Mapped(ColorMap { map: map.into(), value: [1.0; 3] })
+fn color(map: &str) -> pelage_core::scene::Color {
+    pelage_core::scene::Color::Mapped(ColorMap { map: map.into(), value: [1.0; 3] })
 }
 
 fn load(folder: &Path, change: impl FnOnce(&mut Scene)) -> Result<MapSet> {
@@ -227,7 +227,7 @@ fn broken_images_are_named_all_at_once() {
         scene.guard.color_tip = color("text.png");
     })
     .expect_err("three broken maps");
-    let pelage::Error::Scene(faults) = error else { panic!("{error}") };
+    let pelage_core::Error::Scene(faults) = error else { panic!("{error}") };
     assert_eq!(faults.len(), 3, "{faults:?}");
 }
 

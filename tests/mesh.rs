@@ -1,22 +1,15 @@
 //! Shapes, skins, neighbours: what loading a mesh must hold to.
 
+use crate::common::shapes::{SHAPES, no_file, shape};
+use crate::common::{assets, cases};
 use glam::{Vec2, Vec3};
-use pelage::mesh::topology::{Topology, boundary_edges, edge_key, neighbours};
-use pelage::mesh::{Mesh, load, skin_of, write_obj};
-use pelage::scene::{MeshSpec, Shape};
-use pelage::skin::NONE;
-use pelage::{Error, Result, Skin};
+use pelage_core::Skin;
+use pelage_core::mesh::topology::{Topology, boundary_edges, edge_key, neighbours};
+use pelage_core::mesh::{Mesh, load, skin_of, write_obj};
+use pelage_core::scene::{MeshSpec, Shape};
+use pelage_core::skin::NONE;
 use proptest::prelude::*;
 use std::collections::HashMap;
-use std::path::{Path, PathBuf};
-
-fn no_file(name: &str) -> Result<PathBuf> {
-    Err(Error::fault(name, "not found"))
-}
-
-fn shape(shape: Shape) -> Skin {
-    load(&MeshSpec { shape: Some(shape), ..MeshSpec::default() }, &no_file).expect("shapes load")
-}
 
 fn volume(skin: &Skin) -> f64 {
     let volume = |t: usize| {
@@ -126,16 +119,7 @@ fn open_shapes_face_outwards() {
 
 #[test]
 fn shapes_have_no_slivers_and_even_uv() {
-    for which in [
-        Shape::CylinderPelt,
-        Shape::Hat,
-        Shape::Sphere,
-        Shape::Plane,
-        Shape::Torus,
-        Shape::Pyramid,
-        Shape::Die,
-        Shape::Critter,
-    ] {
+    for which in SHAPES {
         let skin = shape(which);
         let (mut total, mut even) = (0.0, 0.0);
         for (t, uv) in skin.corner_uv.iter().flatten().enumerate() {
@@ -206,7 +190,8 @@ fn winding_is_made_consistent_and_outward() {
     for turned in [(|_| true) as fn(usize) -> bool, |t| t % 3 == 0, |t| t == 7] {
         let skin = inside_out(turned);
         let sorted = |skin: &Skin| {
-            // Corners rotate with the vertex that was not swapped; compare as cycles from the smallest.
+            // Corners rotate with the vertex that was not swapped; compare as cycles from the
+            // smallest.
             skin.triangles
                 .iter()
                 .map(|t| {
@@ -218,7 +203,8 @@ fn winding_is_made_consistent_and_outward() {
         assert_eq!(sorted(&skin), sorted(&good));
         assert!(skin.notes.iter().any(|n| n.contains("turned over")), "{:?}", skin.notes);
     }
-    // A Möbius band cannot be wound consistently: one seam of opposite winding remains, as a boundary.
+    // A Möbius band cannot be wound consistently: one seam of opposite winding remains, as a
+    // boundary.
     let n = 20;
     let at = |i: u32, s: f32| {
         let a = std::f32::consts::TAU * i as f32 / n as f32;
@@ -302,6 +288,8 @@ fn soups() -> impl Strategy<Value = Vec<[u32; 3]>> {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn neighbours_are_symmetric_and_follow_the_keys(triangles in soups()) {
         let topology = neighbours(&triangles);
@@ -367,13 +355,11 @@ fn obj_round_trip() {
     assert!(error.to_string().contains("hat.obj"), "{error}");
 }
 
-/// The files of the assets' folder with the counts stated there: vertices used, triangles with area, boundary edges.
+/// The files of the assets' folder with the counts stated there: vertices used, triangles with
+/// area, boundary edges.
 #[test]
 fn assets_load_with_their_counts() {
-    let Some(assets) = std::env::var_os("PELAGE_ASSETS") else {
-        println!("skipped: PELAGE_ASSETS is not set");
-        return;
-    };
+    let Some(folder) = assets() else { return };
     let rows = [
         ("armadillo-29k", 14587, 29170, 0, false),
         ("bunny-5k", 2514, 5000, 32, false),
@@ -390,7 +376,7 @@ fn assets_load_with_their_counts() {
         ("suzanne", 507 - 2, 968, 42, false),
     ];
     for (name, vertices, triangles, boundary, uv) in rows {
-        let path = Path::new(&assets).join("meshes").join(name).with_extension("obj");
+        let path = folder.join("meshes").join(name).with_extension("obj");
         let spec =
             MeshSpec { path: Some(name.into()), size: Some(15.0), center: true, ..MeshSpec::default() };
         let skin = load(&spec, &|_| Ok(path.clone())).expect(name);
@@ -408,7 +394,7 @@ fn assets_load_with_their_counts() {
         }
     }
     // The spider is welded and repaired.
-    let path = Path::new(&assets).join("meshes/spider.obj");
+    let path = folder.join("meshes/spider.obj");
     let spec = |strict| MeshSpec { path: Some("spider".into()), strict, ..MeshSpec::default() };
     let skin = load(&spec(false), &|_| Ok(path.clone())).expect("spider");
     check_skin(&skin, "spider");

@@ -1,10 +1,11 @@
 //! OBJ files as people really have them, and as nobody should.
 
+use crate::common::cases;
 use glam::{Vec2, Vec3};
-use pelage::mesh::obj::{Limits, parse, read};
-use pelage::mesh::{Mesh, load, skin_of};
-use pelage::scene::MeshSpec;
-use pelage::{Error, Result};
+use pelage_core::mesh::obj::{Limits, parse, read};
+use pelage_core::mesh::{Mesh, load, skin_of};
+use pelage_core::scene::MeshSpec;
+use pelage_core::{Error, Result};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -151,7 +152,8 @@ fn weights_colours_and_missing_uv_are_read_with_a_note() {
     assert_eq!(mesh.repairs.len(), 2, "{:?}", mesh.repairs);
 }
 
-/// The area of a polygon in the plane z = 0, and that of its triangles: equal, if they cover it without overlap.
+/// The area of a polygon in the plane z = 0, and that of its triangles: equal, if they cover it
+/// without overlap.
 fn areas(corners: &[Vec2]) -> (f32, f32, Mesh) {
     let n = corners.len();
     let own: f32 = (0..n).map(|i| corners[i].perp_dot(corners[(i + 1) % n])).sum::<f32>() / 2.0;
@@ -225,6 +227,8 @@ fn strict_lists_every_repair() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn no_text_makes_the_reader_panic(
         words in prop::collection::vec(prop::sample::select(vec![

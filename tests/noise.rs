@@ -1,11 +1,10 @@
 //! `shared/noise` against the `noise` crate's simplex noise.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu;
 use glam::Vec3;
-use pelage::groom::noise_tables;
-use pelage::reference::{hash::random, noise::Field};
+use pelage_fur::groom::noise_tables;
+use pelage_fur::random::random;
+use pelage_fur::simplex::Field;
 
 const CODE: &str = "
 #import shared/noise
@@ -19,8 +18,9 @@ fn main(@builtin(global_invocation_id) id: vec3u) {
     output[id.x] = vec2f(simplex2(p.xy), simplex3(p));
 }";
 
-/// Largest difference of the GPU's noise for a seed from the crate's for another: in the plane, in space.
-fn differences(gpu: &pelage::gpu::Gpu, seed: u32, seed_of_oracle: u32) -> (f32, f32) {
+/// Largest difference of the GPU's noise for a seed from the crate's for another: in the plane, in
+/// space.
+fn differences(gpu: &pelage_gpu::Gpu, seed: u32, seed_of_oracle: u32) -> (f32, f32) {
     let point = |s: u32| Vec3::new(random(s, 0), random(s, 1), random(s, 2)) * 60.0 - 30.0;
     let mut input: Vec<[f32; 4]> = (0..20_000).map(|s| point(s).extend(0.0).to_array()).collect();
     // Near the origin and on the axes, where negative cells begin.

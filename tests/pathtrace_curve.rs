@@ -1,8 +1,8 @@
 //! Segments of hairs against dense sampling along rays.
 
 use glam::{DVec3, Vec3, Vec3A};
-use pelage::pathtrace::curve::Cone;
-use pelage::reference::hash::{hash2, random, random_direction};
+use pelage_fur::random::{hash2, random, random_direction};
+use pelage_pathtrace::curve::Cone;
 
 struct Case {
     start: Vec3,
@@ -68,7 +68,8 @@ fn case(i: u32) -> Case {
     Case { start, end, radii, normals: [tilt(14), tilt(16)], origin: through - back * direction, direction }
 }
 
-/// Cases that disagree by more than the step of the sampling, of `n`; `wrong` spoils the solved radii.
+/// Cases that disagree by more than the step of the sampling, of `n`; `wrong` spoils the solved
+/// radii.
 fn disagreements(n: u32, wrong: f32) -> (u32, u32) {
     const STEPS: u32 = 6000;
     let range = [-1.0, 6.0];
@@ -126,7 +127,7 @@ fn offset_is_even_across_a_hair() {
         assert!((h.abs() - wanted.abs()).abs() < 0.01 && (radius - 0.01).abs() < 1e-6, "{wanted}: {h}");
         assert!(along > 0.3 && along < 0.7);
         // h = sin(φ_o - φ_n), with the azimuths about the axis.
-        let (y, z) = pelage::pathtrace::curve::frame(cone.axis, -direction);
+        let (y, z) = pelage_pathtrace::curve::frame(cone.axis, -direction);
         let at = origin + span.enter * direction;
         let normal = (at - at.dot(cone.axis) * cone.axis).normalize();
         let phi_n = normal.dot(z).atan2(normal.dot(y));

@@ -1,21 +1,18 @@
 //! Strands grown on the CPU: guard hairs as the renderer's, undercoat as its volume says.
 
-#[path = "common/beams.rs"]
-mod beams;
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use beams::{Beam, hits, segments, transmittance};
+use crate::common::beams::{Beam, hits, segments, transmittance};
+use crate::common::gpu::{self, image, jittered_grid, scaled, world, world_on};
+use crate::common::on_threads;
 use glam::{Vec2, Vec3};
-use gpu::{image, jittered_grid, scaled, world, world_on};
-use pelage::World;
-use pelage::groom;
-use pelage::pathtrace::grow::{GrowOptions, Patch, estimate, grow};
-use pelage::pathtrace::shell::shell;
-use pelage::pathtrace::strands::{Layer, Strands};
-use pelage::reference::hash::{hash2, random};
-use pelage::reference::noise::Field;
-use pelage::reference::undercoat::Undercoat;
+use pelage_core::World;
+use pelage_fur::Layer;
+use pelage_fur::cpu_shell::shell;
+use pelage_fur::groom;
+use pelage_fur::random::{hash2, random};
+use pelage_fur::simplex::Field;
+use pelage_fur::undercoat::Undercoat;
+use pelage_pathtrace::grow::{GrowOptions, Patch, estimate, grow};
+use pelage_pathtrace::strands::Strands;
 
 /// A flat square of `side` cm, facing +y; `text` is the rest of the scene.
 fn square(side: f32, text: &str) -> World {
@@ -61,7 +58,7 @@ fn guard_hairs_are_the_renderers() {
         );
         let map = image("map.png", false, 32, |u, v| [0.3 + 0.7 * u * v; 4]);
         let world = world_on(&scene, Some(scaled(jittered_grid(6, 0.25), 1.0, 6.0)), vec![map]);
-        let wanted = pelage::render::strands(&world).expect("strands of the GPU");
+        let wanted = pelage_render::strands(&world).expect("strands of the GPU");
         let found = only(&world);
         assert_eq!((found.layer, found.segments), (Layer::Guard, 7));
         assert!(found.hairs.len() > 500, "{} hairs", found.hairs.len());
@@ -124,7 +121,8 @@ fn thinning_follows_the_density_map() {
     assert!((share - wanted).abs() < 0.015, "{share} is not {wanted}");
 }
 
-/// Variance over mean of the numbers of points in 40 x 40 cells of the square: 1 for a Poisson process.
+/// Variance over mean of the numbers of points in 40 x 40 cells of the square: 1 for a Poisson
+/// process.
 fn dispersion(points: &[Vec3], side: f32) -> f64 {
     const N: usize = 40;
     let mut cells = vec![0.0f64; N * N];
@@ -152,14 +150,14 @@ fn roots_of_the_undercoat_are_poisson_and_those_of_the_guard_hairs_are_not() {
 /// Mean of the volume's density over heights.
 fn mean_density(world: &World) -> f64 {
     let packed = groom::pack(world).expect("a groom");
-    let shell = pelage::reference::shell::Shell::default();
+    let shell = pelage_fur::shell::Shell::default();
     let coat = Undercoat { fur: &packed.fur, noise: Field::new(3), shell: &shell, cells: &[] };
     let at = |k: u32| coat.clump_density(Vec3::ZERO, Vec3::ZERO, (k as f32 + 0.5) / 1000.0);
     (0..1000).map(|k| f64::from(at(k))).sum::<f64>() / 1000.0
 }
 
-/// Transmittance of the slab's hairs over 120,000 rays at `degrees` from the normal, and that of Beer and Lambert with the extinction
-/// times `factor`.
+/// Transmittance of the slab's hairs over 120,000 rays at `degrees` from the normal, and that of
+/// Beer and Lambert with the extinction times `factor`.
 fn slab(world: &World, strands: &Strands, degrees: f32, factor: f64) -> [f64; 2] {
     const RAYS: u32 = 120_000;
     let coat = &world.scene.undercoat;
@@ -199,12 +197,12 @@ fn even_slab_follows_beer_and_lambert() {
     }
 }
 
-/// Chi-square per cell of the hairs that cross height `t` in cells of a millimetre of a square of 2 x 2 cm, and their number, against
-/// the volume's density there; and both numbers.
+/// Chi-square per cell of the hairs that cross height `t` in cells of a millimetre of a square of 2
+/// x 2 cm, and their number, against the volume's density there; and both numbers.
 fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3] {
     const N: usize = 20;
     let packed = groom::pack(world).expect("a groom");
-    let fur = pelage::layout::FurParameters { diameter_ratio: 1.0, ..packed.fur };
+    let fur = pelage_fur::layout::FurParameters { diameter_ratio: 1.0, ..packed.fur };
     let shell = shell(world, &packed);
     let coat = Undercoat { fur: &fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
     let k = (t * strands.segments as f32) as usize;
@@ -302,10 +300,7 @@ fn the_same_hairs_whatever_the_threads() {
     let world = world(
         "[mesh]\nshape = \"sphere\"\nsize = 1.5\n[guard]\ncomb_direction = [1, 0, 0]\n[render]\nseed = 5\n[undercoat]\nheight = 0.4\nlean = 0.4",
     );
-    let grown = |threads: usize| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads");
-        pool.install(|| all(&world))
-    };
+    let grown = |threads| on_threads(threads, || all(&world));
     let (one, two) = (grown(1), grown(2));
     assert_eq!(one.len(), 2);
     for (a, b) in one.iter().zip(&two) {

@@ -1,16 +1,15 @@
-//! What light does among traced hairs: lossless hairs in an even sky, analytic radiance and coverage, shadows, the ways to sample.
+//! What light does among traced hairs: lossless hairs in an even sky, analytic radiance and
+//! coverage, shadows, sampling strategies.
 
-#[path = "common/hairs.rs"]
-mod hairs;
-
+use crate::common::hairs::*;
 use glam::{Vec3, Vec4};
-use hairs::*;
-use pelage::film::Film;
-use pelage::light::environment::Panorama;
-use pelage::pathtrace::light::Sky;
-use pelage::pathtrace::strands::{Layer, Strands};
-use pelage::pathtrace::{Accumulator, Integrator, LightModel, Strategy, Tracer};
-use pelage::scene::{DirectionalLight, Scene};
+use pelage_core::film::Film;
+use pelage_core::light::environment::Panorama;
+use pelage_core::scene::{DirectionalLight, Scene};
+use pelage_fur::Layer;
+use pelage_pathtrace::light::Sky;
+use pelage_pathtrace::strands::Strands;
+use pelage_pathtrace::{Accumulator, Integrator, LightModel, Strategy, Tracer};
 
 const WHITE: Vec3 = Vec3::ONE;
 
@@ -55,7 +54,8 @@ fn white_hairs_in_an_even_sky_vanish() {
 
 #[test]
 fn one_hair_shines_and_covers_as_computed() {
-    // A level hair of 2 cm, 0.05 cm thick, across the view; light from the camera's side, 60 degrees off the hair's normal plane.
+    // A level hair of 2 cm, 0.05 cm thick, across the view; light from the camera's side, 60
+    // degrees off the hair's normal plane.
     let (radius, length) = (0.05, 2.0);
     let elevation = 60f32.to_radians();
     let world = empty_world(|s| {
@@ -79,7 +79,7 @@ fn one_hair_shines_and_covers_as_computed() {
     let alpha = mean(&film, "A");
     println!("coverage {alpha:.6}, expected {expected:.6}");
     assert!((alpha / expected - 1.0).abs() < 0.001, "{alpha} {expected}");
-    // Tint / π² times cos θ_i times the irradiance.
+    // Albedo / π² times cos θ_i times the irradiance.
     let pi = std::f64::consts::PI;
     for (name, wanted) in [("R", 0.5 * 3.0), ("G", 2.0), ("B", 0.25)] {
         let radiance = mean(&film, name) / alpha;
@@ -135,7 +135,8 @@ fn skin_is_lambertian_and_shadowed() {
     }
     assert!((mean(&film, "A") - 1.0).abs() < 1e-6 && (mean(&film, "N.Y") - 1.0).abs() < 1e-5);
     assert!((mean(&film, "depth.Z") - 10.0).abs() < 1e-3);
-    // A hair over the skin, seen from above, throws its shadow aside: twice its width is dark or hair.
+    // A hair over the skin, seen from above, throws its shadow aside: twice its width is dark or
+    // hair.
     let points = straight(Vec3::new(-9.0, 0.5, 0.0), Vec3::new(9.0, 0.5, 0.0), 0.05, 2);
     let dark = trace(
         &world,
@@ -148,7 +149,8 @@ fn skin_is_lambertian_and_shadowed() {
     assert!((lost / wanted - 1.0).abs() < 0.02, "{lost} is not {wanted}");
 }
 
-/// Mean radiance of a tuft under a map with a small sun, with the three ways to find the sky's light.
+/// Mean radiance of a tuft under a map with a small sun, with each of the three strategies for
+/// sampling the sky.
 fn by_strategy(strategy: Strategy, samples: u32) -> f64 {
     let world = empty_world(|s| {
         s.environment = Some(sky());
@@ -182,8 +184,8 @@ fn all_ways_to_find_the_sky_have_one_mean() {
     }
 }
 
-/// Transmittance of a slab of random upright hairs seen at `degrees` from its normal, by coverage, and Beer and Lambert's for an
-/// optical depth of 1: n (d L tan θ + π r²), the sides and the ends.
+/// Transmittance of a slab of random upright hairs seen at `degrees` from its normal, by coverage,
+/// and Beer and Lambert's for an optical depth of 1: n (d L tan θ + π r²), the sides and the ends.
 fn transmittance(degrees: f32) -> (f64, f64) {
     let (radius, height) = (0.001f32, 0.1f32);
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -199,7 +201,7 @@ fn transmittance(degrees: f32) -> (f64, f64) {
     let count = (4.0 * half[0] * half[1] / area) as u32;
     let mut points: Vec<Vec4> = Vec::new();
     for i in 0..count {
-        let r = |k: u32| pelage::reference::hash::random(pelage::reference::hash::hash2(41, i), k);
+        let r = |k: u32| pelage_fur::random::random(pelage_fur::random::hash2(41, i), k);
         let (x, y) = ((2.0 * r(0) - 1.0) * half[0], (2.0 * r(1) - 1.0) * half[1]);
         points.extend(straight(Vec3::new(x, y, -0.5 * height), Vec3::new(x, y, 0.5 * height), radius, 2));
     }

@@ -1,14 +1,13 @@
-//! Time and memory of the path tracer for dense undercoat. PELAGE_HAIRS=1000000 measures more hairs than the usual 60,000,
-//! PELAGE_LEAN their lean.
+//! Time and memory of the path tracer for dense undercoat. PELAGE_HAIRS=1000000 measures more hairs
+//! than the usual 60,000, PELAGE_LEAN their lean.
 
-#[path = "common/hairs.rs"]
-mod hairs;
-
+use crate::common::alone;
+use crate::common::hairs::*;
 use glam::Vec3;
-use hairs::*;
-use pelage::pathtrace::strands::Layer;
-use pelage::pathtrace::{self, Accumulator, Integrator, LightModel, Tracer};
-use pelage::scene::DirectionalLight;
+use pelage_core::scene::DirectionalLight;
+use pelage_fur::Layer;
+use pelage_pathtrace as pathtrace;
+use pelage_pathtrace::{Accumulator, Integrator, LightModel, Tracer};
 use std::time::Instant;
 
 /// Most memory that this process has had, bytes; `None` where the system does not say.
@@ -29,8 +28,13 @@ fn variable<T: std::str::FromStr>(name: &str, usual: T) -> T {
     std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(usual)
 }
 
+/// The peak is that of the process: other tests beside this one would count.
 #[test]
 fn a_tracer_takes_no_more_memory_than_estimated() {
+    alone("pathtrace_memory::a_tracer_takes_no_more_memory_than_estimated", measure);
+}
+
+fn measure() {
     const SEGMENTS: usize = 8;
     let count: u32 = variable("PELAGE_HAIRS", 60_000);
     let lean: f32 = variable("PELAGE_LEAN", 0.4);

@@ -1,18 +1,17 @@
-//! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the command.
+//! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the
+//! command.
 
-mod common;
-#[path = "common/hairs.rs"]
-mod hairs;
-
-use common::Folder;
+use crate::common::hairs::*;
+use crate::common::{Folder, on_threads, pelage};
 use glam::Vec3;
-use hairs::*;
-use pelage::fibre::Fibre;
-use pelage::film::{Film, io};
-use pelage::pathtrace::strands::{Layer, Strands};
-use pelage::pathtrace::{self, Accumulator, Integrator, LightModel, Options, Outcome};
-use pelage::scene::DirectionalLight;
-use pelage::{Error, World};
+use pelage_core::film::{Film, io};
+use pelage_core::scene::DirectionalLight;
+use pelage_core::{Error, World};
+use pelage_fur::Layer;
+use pelage_fur::fibre::Fibre;
+use pelage_pathtrace as pathtrace;
+use pelage_pathtrace::strands::Strands;
+use pelage_pathtrace::{Accumulator, Integrator, LightModel, Options, Outcome};
 
 fn world() -> World {
     empty_world(|s| {
@@ -21,7 +20,7 @@ fn world() -> World {
         s.camera.eye = [1.0, 5.0, 3.0];
         s.camera.target = [0.0, 0.2, 0.0];
         s.camera.fov = 8.0;
-        s.film.filter = pelage::scene::Filter::Mitchell;
+        s.film.filter = pelage_core::scene::Filter::Mitchell;
     })
 }
 
@@ -46,8 +45,7 @@ fn threads_and_passes_do_not_show() {
     let world = world();
     let base = options(Integrator::Path, LightModel::Map, 12);
     let of = |threads: usize, pass: u32| {
-        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-        pool.install(|| outcome(&world, &Options { pass, ..base.clone() }).film)
+        on_threads(threads, || outcome(&world, &Options { pass, ..base.clone() }).film)
     };
     let one = bits(&of(1, 4));
     assert!(one == bits(&of(3, 4)), "threads show");
@@ -115,7 +113,7 @@ fn error_between_halves_falls_as_one_over_the_samples_and_is_that_against_the_tr
     // Evenly spread samples are better than independent ones at the hairs' edges.
     assert!((12.0..80.0).contains(&ratio), "{ratio}");
     let truth = outcome(&world, &Options { samples: Some(4096), seed: 5, ..base.clone() });
-    let actual = pelage::compare::compare(&few.film, &truth.film).unwrap().all.relative_mse;
+    let actual = pelage_studies::compare::compare(&few.film, &truth.film).unwrap().all.relative_mse;
     println!("16 samples against the truth: {actual:.3e}");
     assert!((0.6..1.6).contains(&(actual / few.error)), "{actual} is not {}", few.error);
     // The variance says the same in another way, sequences being better than independent samples.
@@ -159,7 +157,7 @@ fn the_command_writes_goes_on_and_refuses() {
     let run = |out: &str, more: &[&str]| {
         let mut args = vec!["reference", &scene, "-o", out, "--integrator", "single"];
         args.extend(more);
-        common::pelage(&args)
+        pelage(&args)
     };
     let first = run(&exr, &["--spp", "2"]).expect(0, &[]);
     assert!(first.out.contains("2 spp") && first.out.contains("million/s"), "{}", first.out);

@@ -1,20 +1,18 @@
 //! The undercoat's volume against its hairs: optical depths along the same rays.
 
-#[path = "common/beams.rs"]
-mod beams;
-
-use beams::{Beam, hits, optical_depth, segments};
+use crate::common::beams::{Beam, hits, optical_depth, segments};
+use crate::common::gpu;
 use glam::{Vec2, Vec3};
-use pelage::assets::Assets;
-use pelage::layout::FurParameters;
-use pelage::pathtrace::grow::{GrowOptions, grow};
-use pelage::pathtrace::shell::shell;
-use pelage::pathtrace::strands::Strands;
-use pelage::reference::hash::random;
-use pelage::reference::noise::Field;
-use pelage::reference::shell::{Located, Place, Shell};
-use pelage::reference::undercoat::{Undercoat, extinction};
-use pelage::{Scene, World, groom};
+use pelage_core::World;
+use pelage_fur::cpu_shell::shell;
+use pelage_fur::groom;
+use pelage_fur::layout::FurParameters;
+use pelage_fur::random::random;
+use pelage_fur::shell::{Located, Place, Shell};
+use pelage_fur::simplex::Field;
+use pelage_fur::undercoat::{Undercoat, extinction};
+use pelage_pathtrace::grow::{GrowOptions, grow};
+use pelage_pathtrace::strands::Strands;
 use std::f32::consts::TAU;
 
 /// A fur of few thick hairs: optical depths are those of many thin ones.
@@ -23,8 +21,7 @@ fn furry(mesh: &str, coat: &str) -> World {
         "[mesh]\n{mesh}\n[guard]\ncomb_direction = [1, 0, 0]\n[render]\nfur = \"implicit\"\nseed = 2\n\
          [undercoat]\ndensity = 3000\ndiameter = [30, 30]\nlayers = 64\nnoise_contrast = 0\nheight_variation = 0\nuv_jitter = 0\n{coat}"
     );
-    let scene = Scene::parse(&text, "test.toml", &[]).expect("a scene");
-    World::load(scene, &Assets::default()).expect("a world")
+    gpu::world(&text)
 }
 
 /// A fur as volume and as hairs.
@@ -59,7 +56,8 @@ impl Both {
         })
     }
 
-    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: without the hairs' crowding, and as it is.
+    /// Optical depths of the volume along `w` from `x`, cm, over `length` cm: without the hairs'
+    /// crowding, and as it is.
     fn march(&self, x: Vec3, w: Vec3, length: f32) -> [f64; 2] {
         const STEP: f32 = 0.01;
         let coat = Undercoat { fur: &self.fur, noise: Field::new(2), shell: &self.shell, cells: &[] };
@@ -77,7 +75,8 @@ impl Both {
         sums
     }
 
-    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the volume without the crowding, and as it is.
+    /// Mean optical depths along rays (start, direction `w`) of the hairs that are `kept`, of the
+    /// volume without the crowding, and as it is.
     fn depths(&self, w: Vec3, starts: &[Vec3], length: f32, kept: impl Fn(Vec3) -> bool) -> [f64; 3] {
         let beam = Beam::new(w);
         let rays: Vec<Vec2> = starts.iter().map(|x| beam.across(*x)).collect();
@@ -104,13 +103,15 @@ fn report(what: &str, [hairs, volume, crowded]: [f64; 3], tolerance: f64) {
     assert!((crowded / hairs - 1.0).abs() < tolerance, "{what}: {crowded} is not {hairs}");
 }
 
-/// Rays through a slab of 5 x 5 cm: `degrees` from the normal, towards `azimuth` degrees from the lean.
+/// Rays through a slab of 5 x 5 cm: `degrees` from the normal, towards `azimuth` degrees from the
+/// lean.
 fn slab(both: &Both, height: f32, degrees: f32, azimuth: f32) -> [f64; 3] {
     let (angle, azimuth) = (degrees.to_radians(), azimuth.to_radians());
     let across = Vec3::new(azimuth.cos(), 0.0, azimuth.sin());
     let w = across * angle.sin() - Vec3::Y * angle.cos();
     let way = height / angle.cos();
-    // About the middle of the square, half a centimetre from its border where the hairs lean out or are missing.
+    // About the middle of the square, half a centimetre from its border where the hairs lean out or
+    // are missing.
     let starts: Vec<Vec3> = (0..20_000)
         .map(|k| {
             let [x, z] = [random(k, 1), random(k, 2)].map(|u| 2.4 * (u - 0.5));

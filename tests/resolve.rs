@@ -1,22 +1,16 @@
 //! `resolve` against its twin: the lists of small worlds, and lists made up to be hard.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::marched::Marched;
+use crate::common::worlds::ball;
 use glam::{Vec3, Vec4};
 use half::f16;
-use marched::Marched;
-use pelage::reference::film::Sample;
-use pelage::reference::hash::random;
-use pelage::reference::resolve::{Gathered, Kind, Node, exact, simplified_alpha, stored};
-use pelage::reference::undercoat_march::first_phase;
-use pelage::reference::view::sample_ray;
-use pelage::scene::{Blend, Scene};
-use worlds::ball;
+use pelage_core::scene::{Blend, Scene};
+use pelage_fur::random::random;
+use pelage_fur::view::sample_ray;
+use pelage_render::twin::film::Sample;
+use pelage_render::twin::resolve::{Gathered, Kind, Node, exact, simplified_alpha, stored};
+use pelage_render::twin::undercoat_march::first_phase;
 
 /// Largest difference of a resolved sample.
 fn difference(found: &Sample, wanted: &Gathered) -> f32 {
@@ -91,12 +85,13 @@ fn virtual_agrees_with_its_twin() {
     assert!(agreement(Blend::Virtual, 1e-3) > 0.999);
 }
 
-/// Words of the list buffer: `lists` with their nodes linked in the order given, all nodes strewn over the buffer by `seed`.
+/// Words of the list buffer: `lists` with their nodes linked in the order given, all nodes strewn
+/// over the buffer by `seed`.
 fn words(lists: &[Vec<Node>], seed: u32) -> Vec<u32> {
     let all: Vec<(usize, &Node)> =
         lists.iter().enumerate().flat_map(|(i, l)| l.iter().map(move |n| (i, n))).collect();
     let mut order: Vec<usize> = (0..all.len()).collect();
-    order.sort_by_key(|i| pelage::reference::hash::hash2(seed, *i as u32));
+    order.sort_by_key(|i| pelage_fur::random::hash2(seed, *i as u32));
     let mut words = vec![0; 1 + lists.len() + 5 * all.len()];
     words[0] = all.len() as u32;
     for (place, i) in order.iter().enumerate() {
@@ -239,7 +234,7 @@ fn virtual_fragments_tend_to_the_strand_in_fog() {
     let (s, length, z, a, c) = (2f32, 1.5f32, 0.6f32, 0.7f32, 0.9f32);
     let before = 1.0 - (-s * z).exp();
     let exact = before + (1.0 - before) * (a * c + (1.0 - a) * (1.0 - (-s * (length - z)).exp()));
-    let mut fur = pelage::groom::pack(&ball(|_| ())).expect("a groom").fur;
+    let mut fur = pelage_fur::groom::pack(&ball(|_| ())).expect("a groom").fur;
     fur.virtual_fragments = 1;
     let error = |k: u32| {
         let mut nodes = vec![Node { z, source: 7, color: Vec4::new(c, c, c, 1.0) * a }];

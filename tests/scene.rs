@@ -1,12 +1,8 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
-mod common;
-
-use common::Folder;
-use pelage::{
-    Error, Scene, SceneFault,
-    scene::{self, Blend, Color, FurLayers, Scalar, Shape, preset},
-};
+use crate::common::{self, Folder, cases};
+use pelage_core::scene::{Blend, Color, FurLayers, Scalar, Shape, preset};
+use pelage_core::{Error, Scene, SceneFault, scene};
 use proptest::prelude::*;
 
 const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
@@ -369,9 +365,9 @@ fn the_schema_describes_everything() {
 }
 
 proptest! {
-    #![proptest_config(ProptestConfig::with_cases(300))]
+    #![proptest_config(cases(300))]
 
-    /// Whatever stands in a file, it is read or refused, never a crash.
+    /// Any file is read or fails with an error; none crashes the parser.
     #[test]
     fn damaged_files_are_refused(at in 0_usize..600, length in 0_usize..20, noise in "[ -~\\n\u{e9}]{0,12}") {
         let mut text = std::fs::read_to_string(common::root().join("scenes/default.toml")).unwrap();

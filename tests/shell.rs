@@ -1,16 +1,15 @@
-//! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU against it.
+//! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU
+//! against it.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::cases;
+use crate::common::gpu::{self, Fixture, jittered_grid, world_on};
 use glam::Vec3;
-use gpu::{Fixture, jittered_grid, world_on};
-use pelage::Skin;
-use pelage::layout::{Prism, ShellVertex};
-use pelage::mesh::topology;
-use pelage::reference::hash::{random, random_direction};
-use pelage::reference::shell::{Located, Place, Shell, most_negative, subelement, subelement_centroid};
-use pelage::skin::NONE;
+use pelage_core::Skin;
+use pelage_core::mesh::topology;
+use pelage_core::skin::NONE;
+use pelage_fur::layout::{Prism, ShellVertex};
+use pelage_fur::random::{random, random_direction};
+use pelage_fur::shell::{Located, Place, Shell, most_negative, subelement, subelement_centroid};
 use proptest::prelude::*;
 
 /// A shell over a skin, as high everywhere as `height` says.
@@ -100,7 +99,8 @@ fn rounding_at_grid_vertices_stays_in_range() {
         let ids = 1i32 << (2 * d);
         for (a, b) in (0..=n).flat_map(|a| (0..=n - a).map(move |b| (a, b))) {
             let exact = [a, b, n - a - b].map(|x| x as f32 / n as f32);
-            // The last units in the last place on both sides of a grid vertex, and points along the grid's lines.
+            // The last units in the last place on both sides of a grid vertex, and points along the
+            // grid's lines.
             for k in 0..343 {
                 let nudge = [k % 7, k / 7 % 7, k / 49];
                 let lambda = Vec3::from([0, 1, 2].map(|i| exact[i] + (nudge[i] - 3) as f32 * 3e-8));
@@ -120,6 +120,8 @@ fn rounding_at_grid_vertices_stays_in_range() {
 }
 
 proptest! {
+    #![proptest_config(cases(256))]
+
     #[test]
     fn a_cell_holds_its_point(u in 0.0f32..1.0, v in 0.0f32..1.0, d in 0u32..=6) {
         let r = u.sqrt();

@@ -1,13 +1,10 @@
 //! `shell_entry` against its twin, and against plain ray casting.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
-use gpu::{Fixture, Tile};
-use pelage::reference::base_raster::{NO_BASE, project, unpack};
-use pelage::reference::light_occlusion::hit;
-use pelage::reference::shell_entry::{entries, faces};
-use pelage::reference::view::sample_ray;
+use crate::common::gpu::{self, Fixture, Tile};
+use pelage_fur::view::sample_ray;
+use pelage_render::twin::base_raster::{NO_BASE, project, unpack};
+use pelage_render::twin::light_occlusion::hit;
+use pelage_render::twin::shell_entry::{entries, faces};
 
 const FILM: [u32; 2] = [96, 72];
 const KIND_ENTRY: u32 = 1;

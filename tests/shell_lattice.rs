@@ -1,20 +1,17 @@
-//! `shell_lattice` against its twin, and the geometry of the light lattice.
+//! `shell_lattice` against its twin, and the geometry of the optical-depth lattice.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use bytemuck::Zeroable;
 use glam::Vec3;
-use gpu::{Fixture, image, jittered_grid, scaled, world_on};
-use pelage::layout::{Column, FurParameters, Prism, ShellVertex};
-use pelage::reference::hash::random;
-use pelage::reference::lattice::{cell, column_index, column_lambda, node_index};
-use pelage::reference::shell::{Place, Shell};
-use pelage::reference::{lattice, shell_lattice};
+use pelage_fur::layout::{Column, FurParameters, Prism, ShellVertex};
+use pelage_fur::random::random;
+use pelage_fur::shell::{Place, Shell};
+use pelage_render::twin::lattice::{cell, column_index, column_lambda, node_index};
+use pelage_render::twin::{lattice, shell_lattice};
 use std::collections::HashMap;
 
 /// A grid whose quads are `size` cm wide: small ones have one lattice cell a triangle.
-fn furry(size: f32) -> pelage::World {
+fn furry(size: f32) -> pelage_core::World {
     let scene = "[undercoat]\nheight = 0.3\nlayers = 2\nsubdivision = 1\ndensity = { map = \"a.png\", value = 15000, offset = 500 }\n\
         color_root = { map = \"c.png\" }\ncolor_tip = { map = \"vertex_color\", value = [0.9, 0.7, 0.5] }\n\
         [base]\ncolor = [0.2, 0.4, 0.6]\n[render]\nfur = \"implicit\"\n";

@@ -1,12 +1,9 @@
 //! `shell_prisms` against its twin: heights of the shell, with maps and folds.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-
+use crate::common::gpu::{self, Fixture, close, image, jittered_grid, scaled, skin, vertex_uv, world_on};
 use glam::Vec3;
-use gpu::{Fixture, close, image, jittered_grid, scaled, skin, world_on};
-use pelage::World;
-use pelage::reference::shell_prisms::{heights, part_of_area};
+use pelage_core::World;
+use pelage_fur::shell_prisms::{heights, part_of_area};
 
 /// Higher than the hollow that it is asked for in.
 const HOLLOW: &str = "4.0";
@@ -41,14 +38,6 @@ fn normals(fixture: &Fixture) -> Vec<Vec3> {
     fixture.shell.vertices.iter().map(|v| v.normal.into()).collect()
 }
 
-fn vertex_uv(world: &World) -> Vec<[f32; 2]> {
-    let mut uv = vec![[0.0; 2]; world.skin.positions.len()];
-    for (t, of) in world.skin.triangles.iter().zip(world.skin.corner_uv.iter().flatten()) {
-        (0..3).for_each(|k| uv[t[k] as usize] = of[k].to_array());
-    }
-    uv
-}
-
 #[test]
 fn heights_are_those_of_the_twin() {
     let Some(gpu) = gpu::open() else { return };
@@ -62,7 +51,7 @@ fn heights_are_those_of_the_twin() {
     for (name, height, displacement, uv) in cases {
         let fixture = Fixture::new(gpu, bumpy(height, displacement, uv));
         let skin = &fixture.world.skin;
-        let wanted = heights(skin, &normals(&fixture), &fixture.maps(), &vertex_uv(&fixture.world));
+        let wanted = heights(skin, &normals(&fixture), &fixture.maps(), &vertex_uv(skin));
         for (i, (vertex, wanted)) in fixture.shell.vertices.iter().zip(&wanted).enumerate() {
             close(vertex.height, *wanted, 1e-4, format!("{name}, vertex {i}"));
             assert_eq!(vertex.position, skin.positions[i].to_array(), "{name}, vertex {i}");

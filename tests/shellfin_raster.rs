@@ -1,23 +1,19 @@
 //! `shellfin_raster` against its twin: the picture of skin, fins and shells.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
+use crate::common::gpu;
+use crate::common::shellfins::{Fur, even, fur_world, textures};
 use glam::{Vec3, Vec4};
-use pelage::bake::{FurTextures, lod};
-use pelage::gpu::recorder::Timings;
-use pelage::gpu::{Recorder, Resource};
-use pelage::lapped::lap;
-use pelage::layout::{FinEdge, FurCorner};
-use pelage::passes::shellfin_raster::{ShellfinRaster, Uses};
-use pelage::reference::film::{halves, unpack};
-use pelage::reference::shellfin_raster::{Picture, Pixel, fin_fade};
-use pelage::reference::shellfin_rows;
-use pelage::scene::{BakeSource, Mapping};
-use pelage::shellfin::Pictures;
-use shellfins::{Fur, even, fur_world, textures};
+use pelage_core::scene::{BakeSource, Mapping};
+use pelage_fur::layout::{FinEdge, FurCorner};
+use pelage_gpu::recorder::Timings;
+use pelage_gpu::{Recorder, Resource};
+use pelage_render::twin::film::{halves, unpack};
+use pelage_shells::bake::{FurTextures, lod};
+use pelage_shells::lapped::lap;
+use pelage_shells::passes::shellfin_raster::{ShellfinRaster, Uses};
+use pelage_shells::shellfin::Pictures;
+use pelage_shells::twin::shellfin_raster::{Picture, Pixel, fin_fade};
+use pelage_shells::twin::shellfin_rows;
 
 /// The GPU's samples (colour and depth) and the twin's.
 fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Option<Vec<(Vec4, f32, Pixel)>> {
@@ -71,7 +67,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
         fur.textures.layers.iter().chain(coarser.iter().flat_map(|l| &l.layers)).cloned().collect();
     let guard: Vec<_> =
         fur.textures.guard.iter().chain(coarser.iter().flat_map(|l| &l.guard)).cloned().collect();
-    let fins = pelage::shellfin::deepened(&fur.textures, fur.fur.fin_depth);
+    let fins = pelage_shells::shellfin::deepened(&fur.textures, fur.fur.fin_depth);
     let mut picture = Picture {
         shellfin: &fur.rows.shellfin,
         draws: fur.rows.draws,
@@ -95,7 +91,8 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     Some(found.zip(picture.draw()).map(|((color, z), pixel)| (color, z, pixel)).collect())
 }
 
-/// Share of the samples that agree, of those not at an edge, and the number of these that show fur beyond the skin.
+/// Share of the samples that agree, of those not at an edge, and the number of these that show fur
+/// beyond the skin.
 fn agreement(samples: &[(Vec4, f32, Pixel)], tolerance: f32) -> (f64, usize) {
     let clear: Vec<_> = samples.iter().filter(|(_, _, pixel)| pixel.margin > 0.02).collect();
     let good = clear.iter().filter(|(color, z, pixel)| {
@@ -192,8 +189,8 @@ fn another_order_is_noticed() {
 
 #[test]
 fn fins_fade_as_the_paper_says() {
-    use pelage::layout::{ShellVertex, Shellfin};
-    use pelage::skin::NONE;
+    use pelage_core::skin::NONE;
+    use pelage_fur::layout::{ShellVertex, Shellfin};
     let vertex = |x: f32, y: f32, z: f32| ShellVertex {
         position: [x, y, z],
         height: 0.3,

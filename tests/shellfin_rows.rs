@@ -1,32 +1,24 @@
-//! `shellfin_rows` against its twin: where hairs pass the rows above the skin, and how they are lit there.
+//! `shellfin_rows` against its twin: where hairs pass the rows above the skin, and how they are lit
+//! there.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/shellfins.rs"]
-mod shellfins;
-
+use crate::common::gpu;
+use crate::common::shellfins::{Fur, even, fur_world};
 use glam::Vec3;
-use pelage::fibre::Fibre;
-use pelage::groom;
-use pelage::layout::Brush;
-use pelage::reference::groom::Maps;
-use pelage::reference::shellfin_rows::{Hair, RowVertex, unpack};
-use pelage::scene::{BakeSource, Scalar, Shells};
-use pelage::shellfin::{FIN_ROWS, levels, rows};
-use shellfins::{Fur, even, fur_world};
+use pelage_core::scene::{BakeSource, Scalar, Shells};
+use pelage_fur::fibre::Fibre;
+use pelage_fur::groom;
+use pelage_fur::layout::Brush;
+use pelage_fur::parameters::Maps;
+use pelage_shells::shellfin::{FIN_ROWS, levels, rows};
+use pelage_shells::twin::shellfin_rows::{Hair, RowVertex, unpack};
 
-/// Rows of a scene as the GPU places them and as the twin does, with `disturb` applied to the twin's fibre.
+/// Rows of a scene as the GPU places them and as the twin does, with `disturb` applied to the
+/// twin's fibre.
 fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<Vec<(RowVertex, RowVertex)>> {
     let gpu = gpu::open()?;
     let world = fur_world(text);
     let packed = groom::pack(&world).unwrap();
-    let (shells, uv): (Shells, Vec<[f32; 2]>) = {
-        let mut of_vertex = vec![[0.0; 2]; world.skin.positions.len()];
-        for (t, uv) in world.skin.triangles.iter().zip(world.skin.corner_uv.as_ref().unwrap()) {
-            (0..3).for_each(|k| of_vertex[t[k] as usize] = uv[k].into());
-        }
-        (world.scene.shells.clone(), of_vertex)
-    };
+    let (shells, uv) = (world.scene.shells.clone(), gpu::vertex_uv(&world.skin));
     let fur = Fur::new(gpu, world, even(source, 6, source == BakeSource::Hybrid), Vec3::new(0.1, -0.2, 0.05));
     let prepared = fur.fur.prepared();
     let layout = prepared.fur;
@@ -166,8 +158,9 @@ fn nothing_jumps_between_levels() {
             let distance = 8.0 * 2f32.powi(doubling);
             let (near, far) = (at(distance * (1.0 - 1e-4), layers), at(distance, layers));
             for (height, _, coarse, blend) in near {
-                // Nearly at the coarser level: what stays stands where the coarse layer stands, the rest is gone.
-                if blend > 0.0 && coarse != pelage::skin::NONE {
+                // Nearly at the coarser level: what stays stands where the coarse layer stands, the
+                // rest is gone.
+                if blend > 0.0 && coarse != pelage_core::skin::NONE {
                     assert!(blend > 0.999);
                     let same = far.iter().find(|f| f.1 == coarse).expect("the coarse layer");
                     assert!((same.0 - height).abs() < 1e-3, "{layers} layers at {distance}");

@@ -1,9 +1,7 @@
-//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function from texts to
-//! complaints, so that it is also tried on texts that break it.
+//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function
+//! from texts to complaints, so that it is also tried on texts that break it.
 
-mod common;
-
-use common::root;
+use crate::common::root;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -63,6 +61,23 @@ fn sources() -> Vec<Source> {
     found
 }
 
+/// A rule whose folder has moved finds no file, and so nothing wrong.
+#[test]
+fn rules_find_their_files() {
+    let sources = sources();
+    for (folder, extension, least) in [
+        ("src/", ".rs", 150),
+        ("src/passes/", ".rs", 20),
+        ("src/reference/", ".rs", 20),
+        ("shaders/", ".wgsl", 40),
+        ("shaders/shared/", ".wgsl", 10),
+        ("tests/", ".rs", 60),
+    ] {
+        let found = sources.iter().filter(|s| s.is(folder, extension)).count();
+        assert!(found >= least, "{found} files {folder}*{extension}, expected {least} or more");
+    }
+}
+
 fn assert_none(complaints: Vec<String>) {
     assert!(complaints.is_empty(), "{} complaints:\n{}", complaints.len(), complaints.join("\n"));
 }
@@ -119,11 +134,11 @@ fn missing_files_of_a_stem_are_found() {
 #[test]
 fn every_shader_is_compiled_into_the_program() {
     let listed: BTreeSet<String> =
-        pelage::gpu::shader::SOURCES.iter().map(|(name, _)| format!("shaders/{name}.wgsl")).collect();
+        pelage_gpu::shader::SOURCES.iter().map(|(name, _)| format!("shaders/{name}.wgsl")).collect();
     let there: BTreeSet<String> =
         sources().iter().filter(|s| s.is("shaders/", ".wgsl")).map(|s| s.path.clone()).collect();
     assert_eq!(listed, there);
-    let imported: BTreeSet<String> = pelage::gpu::shader::SOURCES
+    let imported: BTreeSet<String> = pelage_gpu::shader::SOURCES
         .iter()
         .flat_map(|(_, text)| text.lines().filter_map(|l| l.strip_prefix("#import ")))
         .map(|name| format!("shaders/{}.wgsl", name.trim()))
@@ -325,23 +340,58 @@ fn files_are_short() {
     assert_none(long.map(|(lines, path)| format!("{path}: {lines} lines, more than {MOST}")).collect());
 }
 
-/// A file of Rust that no `mod` names is not compiled, and nobody notices.
-#[test]
-fn every_module_has_a_parent() {
-    let sources = sources();
+/// A Rust file that no `mod` declares is not compiled, and nobody notices: a test in it never
+/// fails.
+fn module_complaints(sources: &[Source]) -> Vec<String> {
     let mut complaints = Vec::new();
-    for s in sources
-        .iter()
-        .filter(|s| s.is("src/", ".rs") && !["src/lib.rs", "src/main.rs"].contains(&s.path.as_str()))
-    {
-        let (folder, name) = s.path.trim_end_matches(".rs").rsplit_once('/').unwrap();
-        let parent = if folder == "src" { "src/lib.rs".to_owned() } else { format!("{folder}.rs") };
-        let parent = sources.iter().find(|p| p.path == parent).map_or("", |p| &p.text);
-        if !parent.lines().any(|l| l.trim_end().ends_with(&format!("mod {name};"))) {
-            complaints.push(format!("{}: its parent does not name it", s.path));
+    for s in sources.iter().filter(|s| s.is("src/", ".rs") || s.is("tests/", ".rs")) {
+        let (folder, name) = s.path.trim_end_matches(".rs").rsplit_once('/').unwrap_or_default();
+        let parent = match (folder, name) {
+            ("src", "lib" | "main") | ("tests", "main") => continue,
+            ("src", _) => "src/lib.rs".into(),
+            ("tests", _) | ("tests/common", "mod") => "tests/main.rs".into(),
+            ("tests/common", _) => "tests/common/mod.rs".into(),
+            _ => format!("{folder}.rs"),
+        };
+        let name = if name == "mod" { "common" } else { name };
+        let text = sources.iter().find(|p| p.path == parent).map_or("", |p| &p.text);
+        let declaration = format!("mod {name};");
+        let declares = |line: &str| {
+            let before = line.trim_end().strip_suffix(declaration.as_str());
+            before.is_some_and(|visibility| visibility.is_empty() || visibility.starts_with("pub"))
+        };
+        if !text.lines().any(declares) {
+            complaints.push(format!("{}: {parent} does not declare it", s.path));
         }
     }
-    assert_none(complaints);
+    complaints
+}
+
+#[test]
+fn every_module_has_a_parent() {
+    assert_none(module_complaints(&sources()));
+}
+
+#[test]
+fn undeclared_modules_are_found() {
+    let complaints = |path, parent, text| {
+        module_complaints(&[Source::new(path, ""), Source::new(parent, text)])
+            .iter()
+            .filter(|c| c.starts_with(path))
+            .count()
+    };
+    for (path, parent) in [
+        ("src/a.rs", "src/lib.rs"),
+        ("src/b/a.rs", "src/b.rs"),
+        ("tests/a.rs", "tests/main.rs"),
+        ("tests/common/a.rs", "tests/common/mod.rs"),
+    ] {
+        assert_eq!(complaints(path, parent, "mod a;"), 0, "{path}");
+        assert_eq!(complaints(path, parent, "pub mod a;"), 0, "{path}");
+        assert_eq!(complaints(path, parent, "mod aa;\n// mod a;"), 1, "{path}");
+    }
+    assert_eq!(complaints("tests/common/mod.rs", "tests/main.rs", "mod common;"), 0);
+    assert_eq!(complaints("tests/common/mod.rs", "tests/main.rs", "mod a;"), 1);
 }
 
 /// Links of the documents to files of the repository.

@@ -1,13 +1,14 @@
 //! The march through a slab of even density against Beer and Lambert.
 
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::worlds::{plane, render, square};
 use glam::{Vec2, Vec3};
-use pelage::reference::{noise::Field, shell::Shell, undercoat::Undercoat, view};
-use pelage::scene::{DirectionalLight, FurLayers};
-use pelage::{World, camera};
-use worlds::{plane, render, square};
+use pelage_core::World;
+use pelage_core::scene::{DirectionalLight, FurLayers};
+use pelage_fur::camera;
+use pelage_fur::shell::Shell;
+use pelage_fur::simplex::Field;
+use pelage_fur::undercoat::Undercoat;
+use pelage_fur::view;
 
 /// Undercoat of the slab: hairs/cm2, diameter in um, height in cm.
 const DENSITY: f32 = 2000.0;
@@ -15,10 +16,11 @@ const DIAMETER: f32 = 15.0;
 const HEIGHT: f32 = 0.3;
 const LAYERS: u32 = 32;
 
-/// Optical depth of upright hairs in a slab, seen at `angle` from the normal: n d sin(angle) over a path of H / cos(angle), times
-/// the mean of the density over the layers, which falls at the hairs' ends.
+/// Optical depth of upright hairs in a slab, seen at `angle` from the normal: n d sin(angle) over a
+/// path of H / cos(angle), times the mean of the density over the layers, which falls at the hairs'
+/// ends.
 fn optical_depth(world: &World, angle: f64) -> f64 {
-    let packed = pelage::groom::pack(world).expect("a groom");
+    let packed = pelage_fur::groom::pack(world).expect("a groom");
     let shell = Shell::default();
     let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
     let at =
@@ -28,14 +30,15 @@ fn optical_depth(world: &World, angle: f64) -> f64 {
     f64::from(DENSITY) * f64::from(DIAMETER) * 1e-4 * f64::from(HEIGHT) * angle.tan() * mean
 }
 
-/// Largest and mean difference of the transmittance in the image of a slab seen at `degrees`, and the range of transmittances;
-/// the expected optical depth is multiplied by `factor`.
+/// Largest and mean difference of the transmittance in the image of a slab seen at `degrees`, and
+/// the range of transmittances; the expected optical depth is multiplied by `factor`.
 fn error(degrees: f32, factor: f64) -> (f64, f64, [f64; 2]) {
     let irradiance = 3.0;
     let world = square(|s| {
         s.render.fur = FurLayers::Implicit;
         s.lights = vec![DirectionalLight { direction: [0.0, 1.0, 0.0], irradiance: [irradiance; 3] }];
-        // All that is scattered goes on: the skin is lit as if it were bare, and shows the transmittance to the eye.
+        // All that is scattered goes on: the skin is lit as if it were bare, and shows the
+        // transmittance to the eye.
         s.undercoat.forward_scattering = 1.0;
         s.undercoat.color_root = [1.0; 3].into();
         s.undercoat.color_tip = [1.0; 3].into();

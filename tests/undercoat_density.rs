@@ -1,16 +1,15 @@
 //! `undercoat_density` against its twin: what the stored volume holds.
 
-#[path = "common/gpu.rs"]
-mod gpu;
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
+use pelage_fur::random as hash;
+use pelage_fur::undercoat::{DENSITY_RANGE, Medium, Undercoat, pack_medium, unpack_medium};
+use pelage_render::twin::undercoat_density::media;
 
-use gpu::{Fixture, jittered_grid, scaled, world_on};
-use pelage::reference::undercoat::{DENSITY_RANGE, Medium, Undercoat, pack_medium, unpack_medium};
-use pelage::reference::{hash, undercoat_density::media};
-
-/// Half a diagonal step of the octahedral map of ten bits, where it stretches most: sqrt(2) / 1023 x 3.
+/// Half a diagonal step of the octahedral map of ten bits, where it stretches most: sqrt(2) / 1023
+/// x 3.
 const TANGENT_STEP: f32 = 4.2e-3;
 
-fn furry(undercoat: &str, seed: u32) -> pelage::World {
+fn furry(undercoat: &str, seed: u32) -> pelage_core::World {
     let scene = format!(
         "[undercoat]\nheight = 0.4\nlayers = 6\nstorage = \"stored\"\n{undercoat}\n[render]\nfur = \"implicit\"\nseed = {seed}\n"
     );
@@ -19,7 +18,7 @@ fn furry(undercoat: &str, seed: u32) -> pelage::World {
 
 /// Largest difference of the stored volume from the twin's: density, tangent.
 fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
-    let cells: Vec<u32> = fixture.read("cells", fixture.prepared.subelements as usize);
+    let cells = fixture.cells();
     assert_eq!(cells.len(), wanted.len());
     let both = cells.into_iter().map(unpack_medium).zip(wanted);
     both.fold((0.0, 0.0), |(density, tangent), (found, wanted)| {
@@ -32,7 +31,7 @@ fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
 }
 
 fn twin(fixture: &Fixture) -> Vec<Medium> {
-    media(&Undercoat { fur: &fixture.fur, noise: fixture.noise(), shell: &fixture.shell, cells: &[] })
+    media(&fixture.undercoat(&[]))
 }
 
 #[test]
@@ -67,9 +66,8 @@ fn the_volume_is_that_of_the_twin() {
 fn another_seed_is_seen() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = Fixture::new(gpu, furry("subdivision = 2", 3));
-    let other = pelage::layout::FurParameters { seed: 4, ..fixture.fur };
-    let noise = fixture.noise();
-    let wanted = media(&Undercoat { fur: &other, noise, shell: &fixture.shell, cells: &[] });
+    let other = pelage_fur::layout::FurParameters { seed: 4, ..fixture.fur };
+    let wanted = media(&Undercoat { fur: &other, ..fixture.undercoat(&[]) });
     let (density, tangent) = differences(&fixture, &wanted);
     assert!(density > 0.05 && tangent > 0.05, "{density} {tangent}");
 }

@@ -1,27 +1,20 @@
-//! `undercoat_light`, and the look-up of light that it stands for, against marches of their own.
+//! `undercoat_light`, and the look-up of light in its lattice, against separate marches.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/lit.rs"]
-mod lit;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::lit::Lit;
+use crate::common::marched::Marched;
+use crate::common::worlds::ball;
 use glam::Vec3;
-use lit::Lit;
-use marched::Marched;
-use pelage::reference::hash::hash2;
-use pelage::reference::resolve::Kind;
-use pelage::reference::undercoat::{color, scatter};
-use pelage::reference::undercoat_light::Attenuator;
-use pelage::reference::undercoat_march::{first_phase, look_up, steps};
-use pelage::reference::view::sample_ray;
-use pelage::scene::FurLayers;
-use worlds::ball;
+use pelage_core::scene::FurLayers;
+use pelage_fur::random::hash2;
+use pelage_fur::undercoat::{color, scatter};
+use pelage_fur::view::sample_ray;
+use pelage_render::twin::resolve::Kind;
+use pelage_render::twin::undercoat_light::Attenuator;
+use pelage_render::twin::undercoat_march::{first_phase, look_up, steps};
 
-/// Transmittances at the nodes against fine marches through the medium; returns mean and mean absolute difference.
+/// Transmittances at the nodes against fine marches through the medium; returns mean and mean
+/// absolute difference.
 fn node_errors(factor: f32) -> Option<(f64, f64)> {
     let lit = Lit::new(gpu::open()?, ball(|_| ()));
     let fur = lit.fixture.fur;
@@ -35,7 +28,8 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
             let x = place.point(place.t, place.lambda);
             for j in 0..fur.lights {
                 let w = Vec3::from(lit.fixture.packed.lights[j as usize].direction);
-                // Behind the skin itself the look-up knows better: the ball is convex, and its shell is never entered twice.
+                // Where the skin blocks the light the look-up is more exact; the ball is convex,
+                // and its shell is never entered twice.
                 let wanted = medium.optical_depth(&place, x, w, fur.light_step / 6.0);
                 let d = f64::from((-light.tau(column * (fur.levels + 1) + level, j)).exp() - (-wanted).exp());
                 sum += d;
@@ -61,7 +55,8 @@ fn nodes_agree_with_marches_through_the_medium() {
     assert!(wrong - mean > 0.005, "twice the guard hairs make no difference: {wrong}");
 }
 
-/// The image of the undercoat with a nested march, from each step of the eye's ray to each light, against the look-up.
+/// The image of the undercoat with a nested march, from each step of the eye's ray to each light,
+/// against the look-up.
 #[test]
 fn look_up_stands_for_the_nested_march() {
     let Some(gpu) = gpu::open() else { return };

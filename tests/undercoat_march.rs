@@ -1,19 +1,13 @@
 //! `undercoat_march` against its twin: the fragments of every sample.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/marched.rs"]
-mod marched;
-#[path = "common/worlds.rs"]
-mod worlds;
-
-use marched::Marched;
-use pelage::World;
-use pelage::reference::resolve::Kind;
-use pelage::reference::undercoat_march::{first_phase, fragments, steps};
-use pelage::reference::view::sample_ray;
-use pelage::scene::{Blend, FibreModel, FurLayers, Scene, Shape, Storage};
-use worlds::world;
+use crate::common::gpu;
+use crate::common::marched::Marched;
+use crate::common::worlds::world;
+use pelage_core::World;
+use pelage_core::scene::{Blend, FibreModel, FurLayers, Scene, Shape, Storage};
+use pelage_fur::view::sample_ray;
+use pelage_render::twin::resolve::Kind;
+use pelage_render::twin::undercoat_march::{first_phase, fragments, steps};
 
 /// A torus: rays that enter twice, graze, and see it from within its hole.
 fn torus(edit: impl FnOnce(&mut Scene)) -> World {
@@ -48,7 +42,8 @@ fn agreement(world: World) -> (f64, usize) {
             continue;
         }
         seen += 1;
-        // A step at the border of a subelement may read its neighbour: then the sample's opacity still agrees on the whole.
+        // A step at the border of a subelement may read its neighbour: then the sample's opacity
+        // still agrees on the whole.
         let same = found.len() == wanted.len()
             && found.iter().zip(&wanted).all(|(a, b)| {
                 worst = worst.max((a.color - b.color).abs().max_element().min(0.01));

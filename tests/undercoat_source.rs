@@ -1,18 +1,12 @@
 //! `undercoat_source` against its twin: every node of the lattice, and the light of the skin.
 
-#[path = "common/gpu.rs"]
-mod gpu;
-#[path = "common/lit.rs"]
-mod lit;
-#[path = "common/worlds.rs"]
-mod worlds;
-
+use crate::common::gpu;
+use crate::common::lit::Lit;
+use crate::common::worlds::ball;
 use glam::Vec3;
-use lit::Lit;
-use pelage::reference::film::halves;
-use pelage::reference::undercoat_source::unpack;
-use pelage::scene::{DirectionalLight, FibreModel, MultipleModel};
-use worlds::ball;
+use pelage_core::scene::{DirectionalLight, FibreModel, MultipleModel};
+use pelage_render::twin::film::halves;
+use pelage_render::twin::undercoat_source::unpack;
 
 #[test]
 fn source_and_skin_agree_with_the_twin() {
@@ -65,7 +59,8 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
             let place = lit.place(column, level);
             let wanted = light.source(column, level, &place);
             let found = unpack(source[(column * (fur.levels + 1) + level) as usize]);
-            // Of logarithms; where little is scattered towards the eye, a table's error counts by what it is at its peak.
+            // Of logarithms; where little is scattered towards the eye, a table's error counts by
+            // what it is at its peak.
             let dim = if matches!(model, FibreModel::Chiang | FibreModel::Medulla) { -5.0 } else { -30.0 };
             let log = |s: Vec3| s.max(Vec3::splat(dim));
             let ambient = (log(found.log_ambient) - log(wanted.log_ambient)).abs().max_element();

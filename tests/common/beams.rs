@@ -1,9 +1,7 @@
 //! Parallel rays through strands: what they meet, counted one by one.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use glam::{Vec2, Vec3};
-use pelage::pathtrace::strands::Strands;
+use pelage_pathtrace::strands::Strands;
 
 /// A direction and the plane across it.
 #[derive(Debug, Clone, Copy)]
@@ -37,7 +35,8 @@ pub fn segments(strands: &Strands) -> impl Iterator<Item = [glam::Vec4; 2]> + '_
     })
 }
 
-/// How many segments each infinite ray meets: cones without caps. Rays are points of the beam's plane.
+/// How many segments each infinite ray meets: cones without caps. Rays are points of the beam's
+/// plane.
 pub fn hits(beam: &Beam, rays: &[Vec2], segments: impl Iterator<Item = [glam::Vec4; 2]>) -> Vec<u32> {
     let low = rays.iter().copied().reduce(Vec2::min).expect("rays");
     let high = rays.iter().copied().reduce(Vec2::max).expect("rays") + 1e-5;

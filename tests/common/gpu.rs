@@ -1,24 +1,26 @@
-//! Worlds, buffers and small shaders for the tests that hold the passes against their twins.
-
-#![allow(dead_code)] // Every test file uses a part of this.
+//! Worlds, buffers and small shaders for the tests that compare the passes with their CPU twins.
 
 use bytemuck::Pod;
 use glam::{Vec2, Vec3};
-use pelage::assets::Assets;
-use pelage::gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
-use pelage::gpu::recorder::{RasterTargets, Timings};
-use pelage::gpu::{Buffer, Gpu, Recorder, Resource, Scope, shader};
-use pelage::groom::{self, PackedGroom};
-use pelage::layout::{Frame, FurParameters};
-use pelage::maps::{MapImage, MapSet};
-use pelage::prepare::Prepared;
-use pelage::reference::groom::Maps;
-use pelage::reference::noise::Field;
-use pelage::reference::shell::Shell;
-use pelage::{Scene, Skin, World, camera};
+use pelage_core::assets::Assets;
+use pelage_core::maps::{MapImage, MapSet};
+use pelage_core::{Scene, Skin, World};
+use pelage_fur::camera;
+use pelage_fur::groom;
+use pelage_fur::groom::PackedGroom;
+use pelage_fur::layout::{Frame, FurParameters};
+use pelage_fur::parameters::Maps;
+use pelage_fur::shell::Shell;
+use pelage_fur::simplex::Field;
+use pelage_fur::undercoat::Undercoat;
+use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
+use pelage_gpu::recorder::{RasterTargets, Timings};
+use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope, shader};
+use pelage_render::prepare::Prepared;
 use std::sync::OnceLock;
 
-/// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a failure.
+/// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a
+/// failure.
 pub fn open() -> Option<&'static Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
     match GPU.get_or_init(|| Gpu::open().map_err(|e| e.to_string())) {
@@ -43,9 +45,9 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     let shape: &[String] = if skin.is_some() { &["mesh.shape=plane".into()] } else { &[] };
     let scene = Scene::parse(text, "test.toml", shape).expect("a valid scene");
     let assets = Assets::default();
-    let skin =
-        skin.unwrap_or_else(|| pelage::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
-    let lights = pelage::light::lights_of(&scene, &assets).expect("lights");
+    let skin = skin
+        .unwrap_or_else(|| pelage_core::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
+    let lights = pelage_core::light::lights_of(&scene, &assets).expect("lights");
     World { scene, skin, lights, maps: MapSet { images, notes: Vec::new() }, textures: None }
 }
 
@@ -69,9 +71,18 @@ pub fn skin(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Skin {
     Skin { positions, normals, colors, triangles, corner_uv: None, notes: Vec::new() }
 }
 
+/// The uv of each vertex: that of its last corner.
+pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
+    let mut uv = vec![[0.0; 2]; skin.positions.len()];
+    for (triangle, corners) in skin.triangles.iter().zip(skin.corner_uv.iter().flatten()) {
+        (0..3).for_each(|k| uv[triangle[k] as usize] = corners[k].to_array());
+    }
+    uv
+}
+
 /// A bumpy square of `n` x `n` quads, 1 cm a quad, facing +y, its inner vertices displaced.
 pub fn jittered_grid(n: u32, displacement: f32) -> Skin {
-    use pelage::reference::hash::random;
+    use pelage_fur::random::random;
     let mut positions = Vec::new();
     for (j, i) in (0..=n).flat_map(|j| (0..=n).map(move |i| (j, i))) {
         let seed = j * (n + 1) + i;
@@ -86,6 +97,12 @@ pub fn jittered_grid(n: u32, displacement: f32) -> Skin {
         triangles.extend([[a, c, b], [a, d, c]]);
     }
     skin(positions, triangles)
+}
+
+/// The frame of a world's whole film, of one sample a pixel.
+pub fn frame(world: &World) -> Frame {
+    let film = [world.scene.film.width, world.scene.film.height];
+    camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed)
 }
 
 /// A prepared world with what its twins read.
@@ -105,8 +122,7 @@ pub struct Fixture {
 impl Fixture {
     /// Prepares a world.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
-        let film = [world.scene.film.width, world.scene.film.height];
-        let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
+        let frame = frame(&world);
         let prepared = Prepared::new(gpu, &world, &frame, &mut Timings::default()).expect("steps 1 to 3");
         let packed = groom::pack(&world).expect("a groom");
         let fur = prepared.fur;
@@ -134,6 +150,20 @@ impl Fixture {
     /// The groom and its maps.
     pub fn maps(&self) -> Maps<'_> {
         Maps { groom: &self.packed.groom, texels: &self.packed.texels }
+    }
+
+    /// The stored volume; empty where it is evaluated.
+    pub fn cells(&self) -> Vec<u32> {
+        if self.fur.storage == 1 {
+            self.read("cells", self.prepared.subelements as usize)
+        } else {
+            Vec::new()
+        }
+    }
+
+    /// The undercoat with the stored volume `cells`, or evaluated where that is empty.
+    pub fn undercoat<'a>(&'a self, cells: &'a [u32]) -> Undercoat<'a> {
+        Undercoat { fur: &self.fur, noise: self.noise(), shell: &self.shell, cells }
     }
 
     /// The noise of the scene's seed.
@@ -174,7 +204,8 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity`
+    /// fragments.
     pub fn new(fixture: &Fixture, film: [u32; 2], origin: [i32; 2], size: [u32; 2], capacity: u64) -> Self {
         let gpu = fixture.prepared.gpu;
         let scene = &fixture.world.scene;
@@ -294,8 +325,9 @@ impl Tile {
     }
 }
 
-/// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads `input` (binding 50)
-/// and writes `output` (binding 51); `more` are further buffers by binding. Returns `count` elements of `output`.
+/// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads
+/// `input` (binding 50) and writes `output` (binding 51); `more` are further buffers by binding.
+/// Returns `count` elements of `output`.
 pub fn evaluate<I: Pod, O: Pod>(
     gpu: &Gpu,
     code: &str,

@@ -1,15 +1,16 @@
 //! Hairs made by hand for the path tracer.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
 use glam::{Vec3, Vec4};
-use pelage::fibre::Fibre;
-use pelage::film::Film;
-use pelage::pathtrace::strands::{Hair, Layer, Strands};
-use pelage::pathtrace::{self, Integrator, LightModel, Options};
-use pelage::reference::hash::{hash2, random};
-use pelage::scene::{Environment, Filter, Scene, Shape};
-use pelage::{World, assets::Assets};
+use pelage_core::World;
+use pelage_core::assets::Assets;
+use pelage_core::film::Film;
+use pelage_core::scene::{Environment, Filter, Scene, Shape};
+use pelage_fur::Layer;
+use pelage_fur::fibre::Fibre;
+use pelage_fur::random::{hash2, random};
+use pelage_pathtrace as pathtrace;
+use pelage_pathtrace::strands::{Hair, Strands};
+use pelage_pathtrace::{Integrator, LightModel, Options};
 
 /// A hair of one colour.
 pub fn hair(color: Vec3) -> Hair {
@@ -34,7 +35,8 @@ pub fn straight(from: Vec3, to: Vec3, radius: f32, segments: usize) -> Vec<Vec4>
     (0..=segments).map(|k| from.lerp(to, k as f32 / segments as f32).extend(radius)).collect()
 }
 
-/// Bent, tapered hairs that grow from a square of `side` cm about the origin, `count` of them, `length` cm high.
+/// Bent, tapered hairs that grow from a square of `side` cm about the origin, `count` of them,
+/// `length` cm high.
 pub fn coat(
     count: u32,
     side: f32,
@@ -59,7 +61,8 @@ pub fn coat(
     points
 }
 
-/// A world whose skin is a small square far below everything, without lights: `edit` adds them and the camera.
+/// A world whose skin is a small square far below everything, without lights: `edit` adds them and
+/// the camera.
 pub fn empty_world(edit: impl FnOnce(&mut Scene)) -> World {
     let mut scene = Scene::default();
     scene.mesh.shape = Some(Shape::Plane);
@@ -87,7 +90,7 @@ pub fn options(integrator: Integrator, lights: LightModel, samples: u32) -> Opti
 
 /// The diffuse term of Kajiya and Kay, lossless for a white hair.
 pub fn diffuse() -> Fibre {
-    Fibre::KajiyaKay(pelage::fibre::KajiyaKay::new(1.0, 0.0, 1.0))
+    Fibre::KajiyaKay(pelage_fur::fibre::KajiyaKay::new(1.0, 0.0, 1.0))
 }
 
 /// Traces diffuse hairs.

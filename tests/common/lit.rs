@@ -1,21 +1,17 @@
-//! A world's light lattice with what its twins read.
+//! A world's optical-depth lattice with what its CPU twins read.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::Fixture;
-use glam::Vec2;
-use pelage::World;
-use pelage::camera;
-use pelage::gpu::Gpu;
-use pelage::groom::multiple_model;
-use pelage::layout::{Column, Frame};
-use pelage::reference::film::halves;
-use pelage::reference::lattice;
-use pelage::reference::shell::Place;
-use pelage::reference::undercoat::Undercoat;
-use pelage::reference::undercoat_source::Lattice;
-use pelage::scene::MultipleModel;
-use pelage::transport::Table;
+use super::gpu::{self, Fixture};
+use pelage_core::World;
+use pelage_core::scene::MultipleModel;
+use pelage_fur::groom::multiple_model;
+use pelage_fur::layout::{Column, Frame};
+use pelage_fur::shell::Place;
+use pelage_fur::undercoat::Undercoat;
+use pelage_gpu::Gpu;
+use pelage_render::twin::film::halves;
+use pelage_render::twin::lattice;
+use pelage_render::twin::undercoat_source::Lattice;
+use pelage_transport::Table;
 
 /// A world with its light.
 pub struct Lit {
@@ -40,8 +36,7 @@ pub struct Lit {
 impl Lit {
     /// Prepares a world.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
-        let film = [world.scene.film.width, world.scene.film.height];
-        let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
+        let frame = gpu::frame(&world);
         let fixture = Fixture::new(gpu, world);
         let fur = fixture.fur;
         let nodes = (fur.columns * (fur.levels + 1)) as usize;
@@ -49,11 +44,7 @@ impl Lit {
         let tau = fixture.read("tau", nodes * fur.tau_stride as usize);
         let extinction: Vec<u32> = fixture.read("lattice_extinction", nodes);
         let guard = extinction.into_iter().map(|word| halves(word)[1]).collect();
-        let cells = if fur.storage == 1 {
-            fixture.read("cells", fixture.prepared.subelements as usize)
-        } else {
-            Vec::new()
-        };
+        let cells = fixture.cells();
         let densities = columns.iter().map(|c| c.density).collect();
         let model = multiple_model(&fixture.world.scene);
         let tabulated = matches!(model, MultipleModel::Dual | MultipleModel::Transport);
@@ -83,12 +74,7 @@ impl Lit {
 
     /// The medium.
     pub fn undercoat(&self) -> Undercoat<'_> {
-        Undercoat {
-            fur: &self.fixture.fur,
-            noise: self.fixture.noise(),
-            shell: &self.fixture.shell,
-            cells: &self.cells,
-        }
+        self.fixture.undercoat(&self.cells)
     }
 
     /// Where a node is.

@@ -1,17 +1,14 @@
-//! A tile of a small world through steps 4 to 7, with what the twins of these steps read.
+//! A tile of a small world through steps 4 to 7, with what the CPU twins of these steps read.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::{Fixture, Tile};
+use super::gpu::{self, Fixture, Tile};
 use glam::Vec4;
-use pelage::World;
-use pelage::gpu::recorder::Timings;
-use pelage::gpu::{Buffer, Gpu, Recorder};
-use pelage::reference::base_raster;
-use pelage::reference::film::{Sample, unpack};
-use pelage::reference::resolve::{Base, Node};
-use pelage::reference::undercoat::Undercoat;
-use pelage::reference::undercoat_march::MarchInputs;
+use pelage_core::World;
+use pelage_gpu::recorder::Timings;
+use pelage_gpu::{Buffer, Gpu, Recorder};
+use pelage_render::twin::base_raster;
+use pelage_render::twin::film::{Sample, unpack};
+use pelage_render::twin::resolve::{Base, Node};
+use pelage_render::twin::undercoat_march::MarchInputs;
 
 /// A tile and its world.
 pub struct Marched {
@@ -19,7 +16,7 @@ pub struct Marched {
     pub fixture: Fixture,
     /// The tile.
     pub tile: Tile,
-    /// The light lattice as the march reads it.
+    /// The lattice's source terms as the march reads them.
     pub source: Vec<[u32; 4]>,
     /// The stored volume.
     pub cells: Vec<u32>,
@@ -27,18 +24,15 @@ pub struct Marched {
 }
 
 impl Marched {
-    /// The tile of `size` samples at `origin` of a film of `film` samples; skin and entries are drawn.
+    /// The tile of `size` samples at `origin` of a film of `film` samples; skin and entries are
+    /// drawn.
     pub fn new(gpu: &'static Gpu, world: World, film: [u32; 2], origin: [i32; 2], size: [u32; 2]) -> Self {
         let fixture = Fixture::new(gpu, world);
         let samples = u64::from(size[0] * size[1]);
         let tile = Tile::new(&fixture, film, origin, size, 200 * samples);
         let nodes = fixture.fur.columns * (fixture.fur.levels + 1);
         let source = fixture.read("source", nodes as usize);
-        let cells = if fixture.fur.storage == 1 {
-            fixture.read("cells", fixture.prepared.subelements as usize)
-        } else {
-            Vec::new()
-        };
+        let cells = fixture.cells();
         let more =
             vec![gpu.storage("samples", 7, samples * 32).unwrap(), gpu.storage("lost_rays", 7, 16).unwrap()];
         let made = Self { fixture, tile, source, cells, more };
@@ -49,14 +43,8 @@ impl Marched {
 
     /// What the march reads.
     pub fn inputs(&self) -> MarchInputs<'_> {
-        let undercoat = Undercoat {
-            fur: &self.fixture.fur,
-            noise: self.fixture.noise(),
-            shell: &self.fixture.shell,
-            cells: &self.cells,
-        };
         MarchInputs {
-            undercoat,
+            undercoat: self.fixture.undercoat(&self.cells),
             source: &self.source,
             frame: &self.tile.frame,
             coat: &self.fixture.packed.undercoat_fibre,
@@ -69,7 +57,7 @@ impl Marched {
         (0..w * h).map(move |i| (i as usize, [i % w, i / w]))
     }
 
-    fn run(&self, record: impl FnOnce(&mut Recorder<'_>, &pelage::gpu::Scope<'_>)) {
+    fn run(&self, record: impl FnOnce(&mut Recorder<'_>, &pelage_gpu::Scope<'_>)) {
         let gpu = self.fixture.prepared.gpu;
         let mut recorder = Recorder::new(gpu);
         let scope = self.tile.scope(&self.fixture).with(&self.more.iter().collect::<Vec<_>>());
@@ -119,7 +107,7 @@ impl Marched {
 
     /// The fragments of each sample, sorted.
     pub fn nodes(&self) -> Vec<Vec<Node>> {
-        let node = |n: &crate::gpu::Node| Node { z: n.z, source: n.source, color: Vec4::from(n.color) };
+        let node = |n: &gpu::Node| Node { z: n.z, source: n.source, color: Vec4::from(n.color) };
         self.tile
             .lists(self.fixture.prepared.gpu)
             .iter()

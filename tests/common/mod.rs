@@ -1,7 +1,17 @@
-//! Runs the real command and looks at what it leaves behind.
+//! What several tests need: the real command and what it leaves behind, temporary folders, assets.
 
-#![allow(dead_code)] // Every test file uses a part of this.
+pub mod beams;
+pub mod films;
+pub mod gpu;
+pub mod hairs;
+pub mod lit;
+pub mod marched;
+pub mod shapes;
+pub mod shellfins;
+pub mod worlds;
 
+use proptest::test_runner::Config;
+use serde_json::Value;
 use std::{
     path::{Path, PathBuf},
     process::{Command, Output},
@@ -46,17 +56,34 @@ pub fn command() -> Command {
     command
 }
 
-/// Runs the command to its end.
+/// Runs a command to its end.
+pub fn run(command: &mut Command) -> Run {
+    command.output().expect("the command starts").into()
+}
+
+/// Runs `pelage` to its end.
 pub fn pelage<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
-    command().args(args).output().expect("the command starts").into()
+    run(command().args(args))
 }
 
 /// Runs the command where no adapter can be found.
 pub fn pelage_without_adapter<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     let backend = if cfg!(target_vendor = "apple") { "vulkan" } else { "metal" };
-    let mut command = command();
-    command.env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args);
-    command.output().expect("the command starts").into()
+    run(command().env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args))
+}
+
+/// Runs `body`, the whole of the test that this program calls `name`, in a process of its own: what
+/// the process measures of itself is then not mixed with the tests that run beside it.
+pub fn alone(name: &str, body: impl FnOnce()) {
+    const ALONE: &str = "PELAGE_TEST_ALONE";
+    if std::env::var_os(ALONE).is_some() {
+        return body();
+    }
+    let mut command = Command::new(std::env::current_exe().expect("this program"));
+    command.args([name, "--exact", "--nocapture"]).env(ALONE, "1");
+    let run = run(&mut command).expect(0, &[]);
+    assert!(run.out.contains("1 passed"), "no test {name}: {}", run.out);
+    print!("{}", run.out);
 }
 
 /// The repository.
@@ -100,10 +127,43 @@ impl Folder {
 
     /// The names of what is in it, sorted, hidden files included.
     pub fn names(&self) -> Vec<String> {
-        let entries = std::fs::read_dir(self.path()).expect("the temporary folder");
-        let mut names: Vec<_> =
-            entries.filter_map(|e| Some(e.ok()?.file_name().to_string_lossy().into_owned())).collect();
-        names.sort();
-        names
+        names(self.path())
     }
+}
+
+/// The names of what is in a folder, sorted, hidden files included.
+pub fn names(folder: &Path) -> Vec<String> {
+    let entries = std::fs::read_dir(folder).expect("a folder");
+    let mut names: Vec<_> =
+        entries.map(|e| e.expect("an entry").file_name().to_string_lossy().into_owned()).collect();
+    names.sort();
+    names
+}
+
+/// A JSON file.
+pub fn json(path: impl AsRef<Path>) -> Value {
+    let path = path.as_ref();
+    let text = std::fs::read(path).unwrap_or_else(|e| panic!("{}: {e}", path.display()));
+    serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
+}
+
+/// What an error says.
+#[track_caller]
+pub fn message<T: std::fmt::Debug>(result: pelage_core::Result<T>) -> String {
+    result.expect_err("expected an error").to_string()
+}
+
+/// Runs `work` on a pool of `threads` threads.
+pub fn on_threads<T: Send>(threads: usize, work: impl FnOnce() -> T + Send) -> T {
+    rayon::ThreadPoolBuilder::new().num_threads(threads).build().expect("threads").install(work)
+}
+
+/// Settings of property tests: `usual` cases where `PROPTEST_CASES` asks for no other number. A
+/// failure is not written to a file, since the seed is fixed.
+pub fn cases(usual: u32) -> Config {
+    let mut config = Config { failure_persistence: None, ..Config::default() };
+    if std::env::var_os("PROPTEST_CASES").is_none() {
+        config.cases = usual;
+    }
+    config
 }

@@ -1,17 +1,15 @@
 //! Small furs of shells and fins, with synthetic textures.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use crate::gpu::{skin, world_on};
-use glam::{Vec2, Vec3};
-use pelage::bake::{FurTextures, Manifest, Texture};
-use pelage::gpu::Gpu;
-use pelage::gpu::recorder::Timings;
-use pelage::layout::{Frame, ShellVertex};
-use pelage::reference::hash::random;
-use pelage::scene::BakeSource;
-use pelage::shellfin::{Pose, Rows, Shellfins};
-use pelage::{Skin, World, camera};
+use super::gpu::{self, skin, world_on};
+use glam::Vec3;
+use pelage_core::scene::BakeSource;
+use pelage_core::{Skin, World};
+use pelage_fur::layout::{Frame, ShellVertex};
+use pelage_fur::random::random;
+use pelage_gpu::Gpu;
+use pelage_gpu::recorder::Timings;
+use pelage_shells::bake::{FurTextures, Manifest, Texture};
+use pelage_shells::shellfin::{Pose, Rows, Shellfins};
 
 /// A closed body of eight triangles with uv, 2 cm across.
 pub fn octahedron() -> Skin {
@@ -35,7 +33,8 @@ pub fn fur_world(text: &str) -> World {
     world_on(&format!("{head}{text}"), Some(octahedron()), Vec::new())
 }
 
-/// Textures of `layers` layers: `texel(layer, u, v, guard)` gives linear premultiplied RGBA. The fin is that of layer `layers`.
+/// Textures of `layers` layers: `texel(layer, u, v, guard)` gives linear premultiplied RGBA. The
+/// fin is that of layer `layers`.
 pub fn textures(
     source: BakeSource,
     layers: u32,
@@ -102,8 +101,7 @@ impl Fur<'static> {
     /// Uploads a fur and places its rows. The world lives as long as the test.
     pub fn new(gpu: &'static Gpu, world: World, textures: FurTextures, bend: Vec3) -> Self {
         let world: &'static World = Box::leak(Box::new(world));
-        let film = [world.scene.film.width, world.scene.film.height];
-        let frame = camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed);
+        let frame = gpu::frame(world);
         let mut timings = Timings::default();
         let fur = Shellfins::new(gpu, world, &textures, &frame, &mut timings).expect("a fur");
         let rows = fur.rows(&frame, &Pose { bend }, &mut timings).expect("rows");

@@ -1,11 +1,10 @@
 //! Small worlds for tests on the GPU, and what is measured on their films.
 
-#![allow(dead_code)] // Every test file uses a part of this.
-
-use pelage::film::Film;
-use pelage::render::{Frame, RenderOptions};
-use pelage::scene::{DirectionalLight, Filter, FurLayers, Scene, Shape};
-use pelage::{World, assets::Assets};
+use pelage_core::World;
+use pelage_core::assets::Assets;
+use pelage_core::film::Film;
+use pelage_core::scene::{DirectionalLight, Filter, FurLayers, Scene, Shape};
+use pelage_render::{Frame, RenderOptions};
 
 /// A ball of 1 cm radius in short fur under two lights, 96 x 64 pixels of 4 samples, after `edit`.
 pub fn ball(edit: impl FnOnce(&mut Scene)) -> World {
@@ -55,7 +54,7 @@ pub fn world(edit: impl FnOnce(&mut Scene)) -> World {
 /// All planes of `world`, on a device of its own: memory budgets count per device.
 pub fn render(world: &World) -> Frame {
     let options = RenderOptions { aovs: true, ..Default::default() };
-    let frame = pelage::render::render(world, &options).expect("a frame");
+    let frame = pelage_shells::render(world, &options).expect("a frame");
     assert_eq!(frame.stats.fragments_dropped, 0);
     frame
 }

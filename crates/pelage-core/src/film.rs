@@ -81,8 +81,9 @@ impl Film {
         self.validate()?;
         let mut pixels = vec![[0.0; 4]; self.pixels()];
         for (c, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
-            let plane =
-                self.plane(name).ok_or_else(|| Error::Unsupported(format!("the film has no plane {name}")))?;
+            let plane = self
+                .plane(name)
+                .ok_or_else(|| Error::Unsupported(format!("the film has no plane {name}")))?;
             pixels.iter_mut().zip(plane).for_each(|(to, from)| to[c] = *from);
         }
         Ok(pixels)
@@ -103,7 +104,10 @@ impl Film {
     /// [`Error::Unsupported`] with the plane and both counts.
     pub fn validate(&self) -> Result<()> {
         if self.pixels() == 0 {
-            return Err(Error::Unsupported(format!("the film is empty: {} x {} pixels", self.width, self.height)));
+            return Err(Error::Unsupported(format!(
+                "the film is empty: {} x {} pixels",
+                self.width, self.height
+            )));
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if plane.data.len() != self.pixels() {

@@ -6,8 +6,8 @@ use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 use pelage_core::maps::MapSet;
 use pelage_core::scene::{
-    Blend, Color, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene,
-    Shading, ShellLighting,
+    Blend, Color, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading,
+    ShellLighting,
 };
 use pelage_core::{Result, World};
 

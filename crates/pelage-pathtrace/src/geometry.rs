@@ -111,7 +111,9 @@ impl Geometry {
             check(&strands)?;
             let first = points.len() as u64;
             if first + strands.points.len() as u64 >= 1 << 31 {
-                return Err(Error::Unsupported("there are more than 2^31 points of hairs: trace a patch".into()));
+                return Err(Error::Unsupported(
+                    "there are more than 2^31 points of hairs: trace a patch".into(),
+                ));
             }
             let mut own = std::mem::take(&mut strands.points);
             mark_ends(&strands, &mut own, first as u32, &mut parts);

@@ -4,7 +4,7 @@ use super::{
     bvh::{Ray, Stack},
     camera::View,
     curve,
-    geometry::{RayOrigin, Geometry, HairHit, Hit, Shaded, SkinHit},
+    geometry::{Geometry, HairHit, Hit, RayOrigin, Shaded, SkinHit},
     light::Lights,
     random::Numbers,
 };

@@ -236,8 +236,9 @@ impl<'a> Grower<'a> {
     fn direction(&self, place: &Place, t: f32, variation: &HairVariation) -> Vec3 {
         let up = place.extrusion(place.lambda).normalize_or(Vec3::Y);
         let growth = t.powf(self.fur.jitter_exponent);
-        let tangent = (up + Vec3::from(self.fur.lean) * t + self.fur.tangent_jitter * growth * variation.turn(t))
-            .normalize_or(up);
+        let tangent =
+            (up + Vec3::from(self.fur.lean) * t + self.fur.tangent_jitter * growth * variation.turn(t))
+                .normalize_or(up);
         let rise = tangent.dot(up);
         // DEVIATION: the volume's tangents may lie flat or point down; a hair that did would never reach the top.
         up + (tangent - rise * up) / rise.max(STEEPEST)

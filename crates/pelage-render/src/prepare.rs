@@ -144,7 +144,9 @@ impl<'g> Prepared<'g> {
         let columns = lattice.columns(skin, &edge_numbers, edges);
         fur.columns = columns.len() as u32;
         made.push(gpu.uniform("fur", &fur)?);
-        made.push(gpu.uniform("undercoat_fibre", &undercoat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?);
+        made.push(
+            gpu.uniform("undercoat_fibre", &undercoat_fibre.packed(2 * fur.columns * (fur.levels + 1)))?,
+        );
 
         // Step 1
         let neighbours = gpu.storage("neighbours", 1, u64::from(triangles) * 12)?;

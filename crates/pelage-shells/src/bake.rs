@@ -26,7 +26,7 @@ pub use io::{Format, MANIFEST, WriteOptions, check, check_folder, load, load_man
 pub use manifest::{
     Content, FileEntry, LayerSummary, LodEntry, Manifest, ManifestFile, Texels, manifest_schema,
 };
-pub use strand::{HairSource, Hair, Knot};
+pub use strand::{Hair, HairSource, Knot};
 pub use voxels::{Block, Keep, Voxels, voxelise};
 
 use pelage_core::scene::BakeSource;

@@ -44,6 +44,8 @@ pub fn render_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Resul
 fn run_of(world: &World) -> &'static Run {
     match world.scene.render.fur {
         FurLayers::Shells => &shellfin::run,
-        FurLayers::Base | FurLayers::Explicit | FurLayers::Implicit | FurLayers::Hybrid => &pelage_render::run,
+        FurLayers::Base | FurLayers::Explicit | FurLayers::Implicit | FurLayers::Hybrid => {
+            &pelage_render::run
+        }
     }
 }

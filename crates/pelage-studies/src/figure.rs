@@ -5,20 +5,20 @@
 //! a figure becomes a [`FigureContent`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
 //! records, `golden` holds small versions against those that are kept.
 
+mod content;
+mod context;
 mod drawing;
 mod golden;
-mod content;
 mod markdown;
 mod page;
 mod panel;
 mod probe;
 mod spec;
-mod context;
 pub mod study;
 
-pub use content::{Diagram, FigureContent, Record, PanelImage, Value};
-pub use spec::{Figure, Panel, Quick, Wipe};
+pub use content::{Diagram, FigureContent, PanelImage, Record, Value};
 pub use context::FigureContext;
+pub use spec::{Figure, Panel, Quick, Wipe};
 
 use crate::provenance::{Provenance, only_files_missing, repository_path, say};
 use pelage_core::{Error, Result};
@@ -142,7 +142,8 @@ fn make(
     std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
     let caption = folder.join("caption.md");
     let caption = std::fs::read_to_string(&caption).map_err(|e| Error::io(&caption, e))?;
-    let stage = FigureContext { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
+    let stage =
+        FigureContext { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
     let mut content = context.panels()?;
     if let Some(study) = figure.study.as_deref().and_then(study::find) {
         let more = study(&context)?;

@@ -175,7 +175,13 @@ impl Medium {
     }
 
     /// What each kind of hairs does at `depth`, where the coat has mean brightness `tint` in colour `color`.
-    pub fn responses<'a>(&self, operators: &'a OperatorTable, tint: f32, depth: f64, color: usize) -> Vec<Responses<'a>> {
+    pub fn responses<'a>(
+        &self,
+        operators: &'a OperatorTable,
+        tint: f32,
+        depth: f64,
+        color: usize,
+    ) -> Vec<Responses<'a>> {
         let of_kind = |(kind, part): (usize, Part)| {
             Responses(operators.around(kind, part.place, tint.powf(part.power[color])).collect())
         };

@@ -1,6 +1,6 @@
 //! The shares of Zinke et al. 2008 (dual scattering): what a hair scatters on and back, and what many hairs behind it send back.
 
-use super::{COSINES, ALBEDOS, cosine, tint};
+use super::{ALBEDOS, COSINES, cosine, tint};
 use glam::Vec3;
 use pelage_fur::fibre::{Albedos, Fibre, Hemispheres};
 use rayon::prelude::*;

@@ -1,6 +1,6 @@
 //! Twin of `shaders/shared/transport.wgsl`: lookups in the table of multiple scattering.
 
-use crate::{COSINES, DEEPEST, DEPTHS, TILTS, ALBEDOS, Table, dual};
+use crate::{ALBEDOS, COSINES, DEEPEST, DEPTHS, TILTS, Table, dual};
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
 use std::f32::consts::{FRAC_PI_2, PI};

@@ -3,7 +3,7 @@
 //! Depth is that of [`super::coat`]. Along direction ω the extinction by it is the mean of sin(T, ω) over the tangents T, and of what
 //! each shows.
 
-use super::coat::{Orientation, HeightLevel};
+use super::coat::{HeightLevel, Orientation};
 use faer::{Mat, linalg::solvers::Solve};
 use glam::Vec3;
 use pelage_fur::fibre::table::MEAN_GLINT;
@@ -114,7 +114,8 @@ impl Operators {
                 let (y, z) = tangent.any_orthonormal_pair();
                 let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
                 let wo = local(w);
-                let projected = f64::from((1.0 - wo.x * wo.x).max(0.0).sqrt() * projected) / f64::from(SAMPLES);
+                let projected =
+                    f64::from((1.0 - wo.x * wo.x).max(0.0).sqrt() * projected) / f64::from(SAMPLES);
                 extinction[o] += projected;
                 let hit = Hit { tint: Vec3::splat(tint), glint_angle: MEAN_GLINT, h: 2.0 * random(3) - 1.0 };
                 if let Some(s) = fibre.sample(&hit, wo, [4, 5, 6, 7].map(random)) {

@@ -1,6 +1,6 @@
 //! The flat coat that stands for that of a world.
 
-use super::coat::{Hairs, Medium, Part, Orientation, HeightLevel, extinction, orientations};
+use super::coat::{Hairs, HeightLevel, Medium, Orientation, Part, extinction, orientations};
 use super::slab::BINS;
 use super::{Table, Terms};
 use glam::{Vec2, Vec3};
@@ -128,7 +128,13 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
         (0..SLICES).map(|k| parts.iter().map(|of_kind| of_kind[k]).collect()).collect();
     if kinds.is_empty() || slices.iter().flatten().all(|p| p.depth <= 0.0) {
         // Nothing to scatter: the skin alone, behind a breath of hairs.
-        return Medium::even(packed.undercoat_fibre.clone(), orientations(0.0, 0.0, 1.0, 0.0), 0.05, skin, fur.seed);
+        return Medium::even(
+            packed.undercoat_fibre.clone(),
+            orientations(0.0, 0.0, 1.0, 0.0),
+            0.05,
+            skin,
+            fur.seed,
+        );
     }
     Medium { kinds, slices, skin, seed: fur.seed }
 }

@@ -3,7 +3,7 @@
 use half::f16;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Resource, Scope};
-use pelage_transport::{COSINES, DEPTHS, ROWS, ALBEDOS, Table};
+use pelage_transport::{ALBEDOS, COSINES, DEPTHS, ROWS, Table};
 
 /// The textures that `shaders/shared/transport.wgsl` reads.
 pub(super) struct Tables {

@@ -3,7 +3,7 @@
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma};
-use super::strand::{HairSource, Hair};
+use super::strand::{Hair, HairSource};
 use super::voxels::Block;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;

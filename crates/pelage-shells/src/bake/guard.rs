@@ -3,7 +3,7 @@
 //! as much, so that each covers what it did.
 
 use super::means::SkinSamples;
-use super::strand::{HairSource, Hair, Knot};
+use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::Guard;

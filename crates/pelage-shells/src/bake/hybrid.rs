@@ -2,7 +2,7 @@
 
 use super::guard::GuardFur;
 use super::means::SkinSamples;
-use super::strand::{HairSource, Hair};
+use super::strand::{Hair, HairSource};
 use super::undercoat::UndercoatFur;
 use glam::Vec3;
 use pelage_core::scene::FurLayers;

@@ -78,7 +78,9 @@ pub fn check(textures: &FurTextures) -> Result<()> {
     for (name, part) in [("layer", &textures.layers), ("guard layer", &textures.guard)] {
         if part.len() != manifest.layers as usize && !(part.is_empty() && name == "guard layer") {
             let (found, expected) = (part.len(), manifest.layers);
-            return Err(Error::Unsupported(format!("{found} {name}s, expected {expected} as the manifest says")));
+            return Err(Error::Unsupported(format!(
+                "{found} {name}s, expected {expected} as the manifest says"
+            )));
         }
         for (l, texture) in part.iter().enumerate() {
             expect(format!("{name} {l}"), texture, manifest.resolution)?;

@@ -1,7 +1,7 @@
 //! Hair grown by particles that rise through a box whose sides wrap around.
 // [Lengyel2001] sec. 3.1
 
-use super::strand::{HairSource, Hair, Knot};
+use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::Particles;

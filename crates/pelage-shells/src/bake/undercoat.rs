@@ -5,7 +5,7 @@
 
 use super::guard::whole;
 use super::means::SkinSamples;
-use super::strand::{HairSource, Hair, Knot};
+use super::strand::{Hair, HairSource, Knot};
 use super::torus::PeriodicNoise;
 use glam::{Vec2, Vec3};
 use pelage_core::scene::{NoiseDomain, Undercoat};

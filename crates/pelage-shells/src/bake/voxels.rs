@@ -3,7 +3,7 @@
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma, sigma_of};
-use super::strand::{HairSource, Hair};
+use super::strand::{Hair, HairSource};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 

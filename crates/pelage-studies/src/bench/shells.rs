@@ -14,7 +14,7 @@ use pelage_fur::camera;
 use pelage_gpu::Gpu;
 use pelage_gpu::recorder::Timings;
 use pelage_shells::shellfin;
-use pelage_shells::shellfin::{Pose, Pictures, Shellfins};
+use pelage_shells::shellfin::{Pictures, Pose, Shellfins};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;

@@ -155,7 +155,10 @@ impl FigureContext<'_> {
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
         let there = |name: &String| Assets::of_folder(self.folder).find(name).is_ok();
         let images = self.figure.panels.iter().filter_map(|panel| panel.image.clone());
-        let mut content = FigureContent { missing: images.filter(|name| !there(name)).collect(), ..FigureContent::default() };
+        let mut content = FigureContent {
+            missing: images.filter(|name| !there(name)).collect(),
+            ..FigureContent::default()
+        };
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
             self.gpu.ledger.reset_peaks();
             content.shots.push(match job {

@@ -164,7 +164,12 @@ impl<'a> Probe<'a> {
             shell: &self.shell,
             cells: &self.cells,
         };
-        MarchInputs { undercoat, source: &self.source, frame: &self.frame, coat: &self.packed.undercoat_fibre }
+        MarchInputs {
+            undercoat,
+            source: &self.source,
+            frame: &self.frame,
+            coat: &self.packed.undercoat_fibre,
+        }
     }
 
     /// Step 5's march, which adds shell or virtual fragments.

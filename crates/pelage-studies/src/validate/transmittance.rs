@@ -13,7 +13,7 @@ use pelage_fur::undercoat::Undercoat;
 use pelage_fur::view;
 use pelage_fur::{camera, groom};
 use pelage_pathtrace::bvh::Ray;
-use pelage_pathtrace::geometry::{RayOrigin, Geometry, Hit};
+use pelage_pathtrace::geometry::{Geometry, Hit, RayOrigin};
 use pelage_pathtrace::grow::{GrowOptions, Patch, grow};
 use pelage_pathtrace::strands::{Hair, Strands};
 use rayon::prelude::*;

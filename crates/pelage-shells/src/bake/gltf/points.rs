@@ -83,7 +83,9 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
         ("layers", manifest.layers as f32),
     ] {
         if !(value.is_finite() && value > 0.0) {
-            return Err(Error::Unsupported(format!("manifest: found {name} = {value}, expected a number above 0")));
+            return Err(Error::Unsupported(format!(
+                "manifest: found {name} = {value}, expected a number above 0"
+            )));
         }
     }
     let height = spacing * manifest.layers as f32;

@@ -1,7 +1,7 @@
 //! The fragments of a row of pixels, seen from the side: what the lists hold after rasterisation and march, by depth.
 
-use super::super::drawing::{Anchor, Canvas, css};
 use super::super::content::Diagram;
+use super::super::drawing::{Anchor, Canvas, css};
 use super::super::probe::Probe;
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;

@@ -1,6 +1,6 @@
 //! The hairs of a particle system, the layers and the fin that stand for them, and fur drawn with these.
 
-use super::super::{FigureContent, PanelImage, FigureContext};
+use super::super::{FigureContent, FigureContext, PanelImage};
 use super::canvas::Canvas;
 use crate::report::{Table, number};
 use glam::{Vec2, Vec3};

@@ -1,7 +1,7 @@
 //! How a place becomes the index of a subelement: Andersen et al. 2016, equations 1 to 3, asked of the renderer's own functions.
 
-use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::content::Diagram;
+use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe::Probe;
 use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners};
@@ -182,7 +182,11 @@ fn check(settings: &Settings, content: &mut FigureContent) {
         let known = known.count();
         rows.push(vec![d.to_string(), cells.len().to_string(), known.to_string(), format!("{right}")]);
         content.value(&format!("d = {d}: points in the subelement of their index"), right as f64, 0.0);
-        content.value(&format!("d = {d}: indices that the middle of their subelement has"), known as f64, 0.0);
+        content.value(
+            &format!("d = {d}: indices that the middle of their subelement has"),
+            known as f64,
+            0.0,
+        );
     }
     let head = ["d", "subelements", "indices that come back from their middles"].map(String::from);
     let last = format!("of {} random points in the subelement of their index", settings.points);

@@ -1,7 +1,7 @@
 //! The neighbour table: keys of directed edges, the slots in which the GPU's hash table holds them, and what it finds.
 
-use super::super::drawing::{Anchor, Canvas, Point, css, number_color};
 use super::super::content::Diagram;
+use super::super::drawing::{Anchor, Canvas, Point, css, number_color};
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use pelage_core::mesh::topology::edge_key;

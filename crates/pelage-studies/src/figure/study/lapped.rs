@@ -1,6 +1,6 @@
 //! A skin, the direction of its hair, and the patches that cover it.
 
-use super::super::{FigureContent, PanelImage, FigureContext};
+use super::super::{FigureContent, FigureContext, PanelImage};
 use crate::report::{Table, number};
 use pelage_core::Result;
 use pelage_shells::lapped;

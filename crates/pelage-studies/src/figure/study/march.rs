@@ -1,7 +1,7 @@
 //! The march of one ray, step by step: where it enters the shell, which subelements its steps read, and over which edges it hops.
 
-use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::content::Diagram;
+use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe::Probe;
 use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners, cut};

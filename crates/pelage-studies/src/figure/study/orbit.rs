@@ -108,7 +108,12 @@ struct Way {
 }
 
 /// Measures the flicker of small steps of the camera.
-fn flicker(context: &FigureContext, settings: &Settings, mut world: World, content: &mut FigureContent) -> Result<()> {
+fn flicker(
+    context: &FigureContext,
+    settings: &Settings,
+    mut world: World,
+    content: &mut FigureContent,
+) -> Result<()> {
     let spp = world.scene.film.spp;
     let way = |name: String, samples, seeds| Way { name, samples, seeds };
     let ways = [

@@ -2,7 +2,7 @@
 
 use super::super::drawing::{magma, number_color, pixel};
 use super::super::probe::Probe;
-use super::super::{FigureContent, PanelImage, FigureContext};
+use super::super::{FigureContent, FigureContext, PanelImage};
 use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::film::Film;

@@ -1,7 +1,7 @@
 //! Where fins stand: edges at the silhouette and near it, found as the rasteriser finds them, and what they are extruded to; and shells
 //! offset from a mesh.
 
-use super::super::{FigureContent, PanelImage, FigureContext};
+use super::super::{FigureContent, FigureContext, PanelImage};
 use super::canvas::{Canvas, shade};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};

@@ -32,7 +32,11 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for column in &report.table {
         let of = |what: &str| format!("{}, {what}", column.scene);
         content.value(&of("guard hairs"), column.stats.strands as f64, 0.0);
-        content.value(&of("memory in all, bytes"), column.total_bytes as f64, 0.05 * column.total_bytes as f64);
+        content.value(
+            &of("memory in all, bytes"),
+            column.total_bytes as f64,
+            0.05 * column.total_bytes as f64,
+        );
     }
     Ok(content)
 }
