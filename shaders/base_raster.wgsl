@@ -2,7 +2,7 @@
 
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(3) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> fur: FurParameters;
 @group(0) @binding(4) var<storage, read> base_light: array<vec2u>;
 @group(0) @binding(5) var triangle_ids: texture_2d<u32>;
 @group(0) @binding(6) var<storage, read_write> base_records: array<vec4u>;

@@ -6,7 +6,7 @@ struct Batch {
 }
 
 @group(0) @binding(1) var<uniform> batch: Batch;
-@group(0) @binding(2) var<uniform> fur: Fur;
+@group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;

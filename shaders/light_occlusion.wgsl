@@ -8,7 +8,7 @@ struct BvhNode {
     count: u32,   // primitives; 0 for an inner node
 }
 
-@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> lights: Lights;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;

@@ -2,7 +2,7 @@
 // both attenuate each other at their true depths with no virtual fragment stored; `stored` sorts and blends what the march
 // left, with [Andersen2016] eq. 4 for shell fragments or as they are for virtual fragments.
 
-@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;

@@ -1,6 +1,6 @@
 // Step 2: what the columns of the light lattice know of the skin below them: density factor and colours, read from the maps.
 
-@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;

@@ -1,7 +1,7 @@
 // Step 5: the march that makes fragments of the undercoat, for the blending modes that store them: one shell fragment an entry, or
 // virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact mode marches while it resolves instead.
 
-@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;

@@ -1,7 +1,7 @@
 // Step 2: what the march and the skin look up of the lights: the lattice's optical depths reduced to two key lights, and all other
 // lights summed to a radiance towards the eye.
 
-@group(0) @binding(1) var<uniform> fur: Fur;
+@group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> lights: Lights;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;

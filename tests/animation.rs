@@ -5,7 +5,6 @@ use glam::{DVec3, Vec3};
 use pelage_core::assets::Assets;
 use pelage_core::scene::{Dynamics, Motion};
 use pelage_core::{Scene, World, animation, film};
-use pelage_render as render;
 use pelage_render::RenderOptions;
 use pelage_shells::dynamics;
 use pelage_shells::dynamics::Spring;
@@ -221,7 +220,7 @@ fn wind_bends_the_hair_of_frames() {
     let state = animation::at(&scene, 3);
     let world = World::load(scene, &Assets::default()).unwrap();
     let mut frame =
-        render::render(&world, &RenderOptions { time: state.time, ..Default::default() }).unwrap();
+        pelage_shells::render(&world, &RenderOptions { time: state.time, ..Default::default() }).unwrap();
     film::composite::over_background(&mut frame.film, &world.scene, &Assets::default()).unwrap();
     let alone = folder.at("alone.png");
     let metadata = film::Metadata::of_program();

@@ -8,7 +8,6 @@ use crate::common::gpu;
 use glam::{DVec2, DVec3};
 use pelage_core::World;
 use pelage_core::hair::HairFile;
-use pelage_render as render;
 use pelage_render::RenderOptions;
 
 /// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the
@@ -127,7 +126,7 @@ fn sampled(world: &World, pieces: &[Piece]) -> f64 {
 }
 
 fn rendered(world: &World) -> f64 {
-    let frame = render::render(world, &RenderOptions::default()).expect("the scene renders");
+    let frame = pelage_shells::render(world, &RenderOptions::default()).expect("the scene renders");
     assert_eq!(frame.stats.fragments_dropped, 0);
     let alpha = frame.film.plane("A").expect("alpha");
     let count = world.scene.film.width as usize * ROWS;
@@ -137,7 +136,7 @@ fn rendered(world: &World) -> f64 {
 #[test]
 fn mean_opacity_is_that_of_an_independent_sampler() {
     let world = gpu::world(SCENE);
-    let hair = render::strands(&world).expect("the strands are exported");
+    let hair = pelage_render::strands::strands(&world).expect("the strands are exported");
     let ours = rendered(&world);
     let witness = sampled(&world, &pieces(&world, &hair, 1.0));
     let thicker = sampled(&world, &pieces(&world, &hair, 1.1));

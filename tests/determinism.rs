@@ -120,8 +120,7 @@ fn strands_past_the_budget_do_not_show() {
 
 #[test]
 fn viewport_of_shader_and_recorder_are_one() {
-    let frame =
-        pelage_gpu::shader::SOURCES.iter().find(|(name, _)| *name == "shared/frame").expect("shared/frame").1;
+    let frame = pelage_render::shaders::text("shared/frame").expect("shared/frame");
     let line = format!("const RASTER_MARGIN: f32 = {:.1};", pelage_gpu::recorder::RASTER_MARGIN);
     assert!(frame.contains(&line), "no line `{line}` in shared/frame.wgsl");
 }

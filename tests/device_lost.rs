@@ -2,7 +2,6 @@
 
 use crate::common;
 use pelage_core::{Error, Scene, World};
-use pelage_gpu::Gpu;
 use pelage_render::{Progress, RenderOptions};
 use pelage_shells::render_with;
 use std::sync::Mutex;
@@ -15,7 +14,7 @@ fn render(losses: usize) -> (pelage_core::Result<pelage_render::Frame>, usize) {
     let world = World::load(scene, &assets).unwrap();
     let opened: Mutex<Vec<wgpu::Device>> = Mutex::default();
     let open = || {
-        let gpu = Gpu::open()?;
+        let gpu = pelage_render::open()?;
         opened.lock().unwrap().push(gpu.device.clone());
         Ok(gpu)
     };

@@ -11,7 +11,6 @@ use crate::common::root;
 use pelage_core::film::{Film, Metadata, composite, io};
 use pelage_core::{Scene, World};
 use pelage_gpu::Gpu;
-use pelage_render as render;
 use pelage_render::RenderOptions;
 use pelage_studies::compare;
 use pelage_studies::compare::{Comparison, ErrorImage, Thresholds};
@@ -56,7 +55,7 @@ fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
     let overrides: Vec<String> = COMMON.iter().chain(overrides).map(|o| (*o).to_owned()).collect();
     let (scene, assets) = Scene::load(&root().join(scene), &overrides).expect("the scene is valid");
     let world = World::load(scene, &assets).expect("the scene loads");
-    let mut frame = render::render_on(gpu, &world, &RenderOptions::default()).expect("it renders");
+    let mut frame = pelage_shells::render_on(gpu, &world, &RenderOptions::default()).expect("it renders");
     composite::over_background(&mut frame.film, &world.scene, &assets).expect("a background");
     let path = folder.join("picture.png");
     io::write(&frame.film, &path, &Metadata::default(), &world.scene.film).expect("it is written");
@@ -67,7 +66,7 @@ fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
 fn pictures_are_the_kept_ones() {
     let bless = std::env::var_os("PELAGE_BLESS").is_some_and(|v| v == "1");
     let folder = tempfile::tempdir().expect("a temporary folder");
-    let gpu = Gpu::open().expect("an adapter");
+    let gpu = pelage_render::open().expect("an adapter");
     let mut faults = Vec::new();
     for (name, scene, overrides) in PICTURES {
         let film = picture(&gpu, scene, overrides, folder.path());

@@ -1,13 +1,14 @@
 //! The structs of `layout.rs` lie in memory as WGSL lays them out.
 
 use pelage_gpu::shader;
+use pelage_render::shaders;
 use std::collections::BTreeMap;
 
 /// Name -> (size, fields) as naga lays the structs of all shaders out.
 fn wgsl_structs() -> BTreeMap<String, (u32, Vec<(String, u32)>)> {
     let mut found = BTreeMap::new();
-    for (name, _) in shader::SOURCES.iter().filter(|(name, _)| !name.starts_with("shared/")) {
-        let (_, module, _) = shader::validate(name).unwrap();
+    for name in shaders::names().iter().filter(|name| !name.starts_with("shared/")) {
+        let (_, module, _) = shader::validate(shaders::text, name).unwrap();
         for (_, ty) in module.types.iter() {
             if let (Some(name), naga::TypeInner::Struct { members, span }) = (&ty.name, &ty.inner) {
                 let fields = members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();

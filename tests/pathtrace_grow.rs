@@ -6,9 +6,9 @@ use crate::common::on_threads;
 use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_fur::Layer;
-use pelage_fur::cpu_shell::shell;
 use pelage_fur::groom;
 use pelage_fur::random::{hash2, random};
+use pelage_fur::shell_prisms::shell_of;
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::Undercoat;
 use pelage_pathtrace::grow::{GrowOptions, Patch, estimate, grow};
@@ -58,7 +58,7 @@ fn guard_hairs_are_the_renderers() {
         );
         let map = image("map.png", false, 32, |u, v| [0.3 + 0.7 * u * v; 4]);
         let world = world_on(&scene, Some(scaled(jittered_grid(6, 0.25), 1.0, 6.0)), vec![map]);
-        let wanted = pelage_render::strands(&world).expect("strands of the GPU");
+        let wanted = pelage_render::strands::strands(&world).expect("strands of the GPU");
         let found = only(&world);
         assert_eq!((found.layer, found.segments), (Layer::Guard, 7));
         assert!(found.hairs.len() > 500, "{} hairs", found.hairs.len());
@@ -203,7 +203,7 @@ fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3]
     const N: usize = 20;
     let packed = groom::pack(world).expect("a groom");
     let fur = pelage_fur::layout::FurParameters { diameter_ratio: 1.0, ..packed.fur };
-    let shell = shell(world, &packed);
+    let shell = shell_of(world, &packed);
     let coat = Undercoat { fur: &fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
     let k = (t * strands.segments as f32) as usize;
     let mut seen = vec![0.0f64; N * N];

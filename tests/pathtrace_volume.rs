@@ -4,11 +4,11 @@ use crate::common::beams::{Beam, hits, optical_depth, segments};
 use crate::common::gpu;
 use glam::{Vec2, Vec3};
 use pelage_core::World;
-use pelage_fur::cpu_shell::shell;
 use pelage_fur::groom;
 use pelage_fur::layout::FurParameters;
 use pelage_fur::random::random;
 use pelage_fur::shell::{Located, Place, Shell};
+use pelage_fur::shell_prisms::shell_of;
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::{Undercoat, extinction};
 use pelage_pathtrace::grow::{GrowOptions, grow};
@@ -40,7 +40,7 @@ impl Both {
         let middles = (0..world.skin.triangles.len())
             .map(|t| world.skin.corners(t).into_iter().sum::<Vec3>() / 3.0)
             .collect();
-        Self { shell: shell(world, &packed), fur: packed.fur, strands: layers.remove(0), middles }
+        Self { shell: shell_of(world, &packed), fur: packed.fur, strands: layers.remove(0), middles }
     }
 
     /// The place of a point, if it lies in the shell.

@@ -2,6 +2,7 @@
 //! from texts to complaints, so that it is also tried on texts that break it.
 
 use crate::common::root;
+use pelage_render::shaders;
 use std::collections::BTreeSet;
 use std::path::Path;
 
@@ -14,6 +15,11 @@ struct Source {
 impl Source {
     fn new(path: &str, text: &str) -> Self {
         Self { path: path.into(), text: text.into() }
+    }
+
+    /// Part of the library or the command, not of its tests.
+    fn is_library(&self) -> bool {
+        self.is("src/", ".rs") || self.is("crates/", ".rs")
     }
 
     fn is(&self, folder: &str, extension: &str) -> bool {
@@ -47,7 +53,7 @@ fn sources() -> Vec<Source> {
     }
     let mut found = Vec::new();
     for folder in
-        ["src", "shaders", "tests", "benches", "scripts", "scenes", "presets", "paper_figures", ".ci", "docs"]
+        ["src", "crates", "shaders", "tests", "scripts", "scenes", "presets", "paper_figures", ".ci", "docs"]
     {
         walk(&root().join(folder), &mut found);
     }
@@ -66,9 +72,10 @@ fn sources() -> Vec<Source> {
 fn rules_find_their_files() {
     let sources = sources();
     for (folder, extension, least) in [
-        ("src/", ".rs", 150),
-        ("src/passes/", ".rs", 20),
-        ("src/reference/", ".rs", 20),
+        ("src/", ".rs", 15),
+        ("crates/", ".rs", 150),
+        ("crates/pelage-render/src/passes/", ".rs", 18),
+        ("crates/pelage-render/src/twin/", ".rs", 14),
         ("shaders/", ".wgsl", 40),
         ("shaders/shared/", ".wgsl", 10),
         ("tests/", ".rs", 60),
@@ -94,20 +101,26 @@ fn stem_complaints(paths: &BTreeSet<&str>, exceptions: &[(&str, &str, &str)]) ->
         if stem.contains('/') {
             continue;
         }
-        for wanted in
-            [format!("src/passes/{stem}.rs"), format!("src/reference/{stem}.rs"), format!("tests/{stem}.rs")]
-        {
-            let folder = wanted.split('/').next().unwrap_or_default();
-            let excepted = exceptions.iter().find(|(s, path, _)| *s == stem && path.starts_with(folder));
-            let path = excepted.map_or(wanted.as_str(), |(_, path, _)| path);
-            if !paths.contains(path) {
-                complaints.push(format!("shaders/{stem}.wgsl has no {path}"));
+        // The fur's own mathematics stands in pelage-fur, whoever else needs it.
+        let rooms = ["crates/pelage-render/src", "crates/pelage-shells/src"];
+        let pass = rooms.map(|room| format!("{room}/passes/{stem}.rs"));
+        let twin: Vec<String> = rooms
+            .iter()
+            .map(|room| format!("{room}/twin/{stem}.rs"))
+            .chain([format!("crates/pelage-fur/src/{stem}.rs")])
+            .collect();
+        let test = exceptions.iter().find(|(s, _, _)| *s == stem);
+        let test = [test.map_or_else(|| format!("tests/{stem}.rs"), |(_, path, _)| (*path).to_owned())];
+        for wanted in [&pass[..], &twin[..], &test[..]] {
+            if !wanted.iter().any(|path| paths.contains(path.as_str())) {
+                complaints.push(format!("shaders/{stem}.wgsl has no {}", wanted.join(" or ")));
             }
         }
     }
-    for pass in paths.iter().filter_map(|p| p.strip_prefix("src/passes/")?.strip_suffix(".rs")) {
-        if !paths.contains(format!("shaders/{pass}.wgsl").as_str()) {
-            complaints.push(format!("src/passes/{pass}.rs has no shader of its name"));
+    for path in paths {
+        let pass = path.split_once("/src/passes/").and_then(|(_, file)| file.strip_suffix(".rs"));
+        if pass.is_some_and(|pass| !paths.contains(format!("shaders/{pass}.wgsl").as_str())) {
+            complaints.push(format!("{path} has no shader of its name"));
         }
     }
     complaints
@@ -121,7 +134,12 @@ fn a_stem_names_shader_pass_twin_and_test() {
 
 #[test]
 fn missing_files_of_a_stem_are_found() {
-    let paths = BTreeSet::from(["shaders/a.wgsl", "src/passes/a.rs", "src/reference/a.rs", "tests/a.rs"]);
+    let paths = BTreeSet::from([
+        "shaders/a.wgsl",
+        "crates/pelage-render/src/passes/a.rs",
+        "crates/pelage-render/src/twin/a.rs",
+        "tests/a.rs",
+    ]);
     assert!(stem_complaints(&paths, &[]).is_empty());
     for path in &paths {
         let mut fewer = paths.clone();
@@ -134,13 +152,14 @@ fn missing_files_of_a_stem_are_found() {
 #[test]
 fn every_shader_is_compiled_into_the_program() {
     let listed: BTreeSet<String> =
-        pelage_gpu::shader::SOURCES.iter().map(|(name, _)| format!("shaders/{name}.wgsl")).collect();
+        shaders::names().iter().map(|name| format!("shaders/{name}.wgsl")).collect();
     let there: BTreeSet<String> =
         sources().iter().filter(|s| s.is("shaders/", ".wgsl")).map(|s| s.path.clone()).collect();
     assert_eq!(listed, there);
-    let imported: BTreeSet<String> = pelage_gpu::shader::SOURCES
+    let texts: Vec<_> = shaders::names().iter().filter_map(|name| shaders::text(name)).collect();
+    let imported: BTreeSet<String> = texts
         .iter()
-        .flat_map(|(_, text)| text.lines().filter_map(|l| l.strip_prefix("#import ")))
+        .flat_map(|text| text.lines().filter_map(|l| l.strip_prefix("#import ")))
         .map(|name| format!("shaders/{}.wgsl", name.trim()))
         .collect();
     let unused: Vec<_> = there.iter().filter(|p| p.contains("/shared/") && !imported.contains(*p)).collect();
@@ -301,7 +320,7 @@ fn nothing_is_left_over() {
 /// Library code returns errors; only its unit tests, at the end of a file, may panic.
 fn panic_complaints(sources: &[Source]) -> Vec<String> {
     let mut complaints = Vec::new();
-    for s in sources.iter().filter(|s| s.is("src/", ".rs")) {
+    for s in sources.iter().filter(|s| s.is_library()) {
         let code = s.text.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
         for (i, line) in code.lines().enumerate().filter(|(_, l)| !l.trim_start().starts_with("//")) {
             for call in [".unwrap()", ".expect(", "panic!(", "unreachable!(", "unsafe "] {
@@ -311,7 +330,7 @@ fn panic_complaints(sources: &[Source]) -> Vec<String> {
             }
             // Files appear whole or not at all: `files` writes them.
             for call in ["fs::write(", "File::create(", "fs::File::create_new("] {
-                if line.contains(call) && s.path != "src/files.rs" {
+                if line.contains(call) && !s.path.ends_with("/files.rs") {
                     complaints.push(format!("{}:{}: {call}, expected a function of files", s.path, i + 1));
                 }
             }
@@ -344,11 +363,12 @@ fn files_are_short() {
 /// fails.
 fn module_complaints(sources: &[Source]) -> Vec<String> {
     let mut complaints = Vec::new();
-    for s in sources.iter().filter(|s| s.is("src/", ".rs") || s.is("tests/", ".rs")) {
+    for s in sources.iter().filter(|s| s.is_library() || s.is("tests/", ".rs")) {
         let (folder, name) = s.path.trim_end_matches(".rs").rsplit_once('/').unwrap_or_default();
         let parent = match (folder, name) {
-            ("src", "lib" | "main") | ("tests", "main") => continue,
-            ("src", _) => "src/lib.rs".into(),
+            (_, "lib") | ("src" | "tests", "main") => continue,
+            ("src", _) => "src/main.rs".into(),
+            (root, _) if root.starts_with("crates/") && root.ends_with("/src") => format!("{root}/lib.rs"),
             ("tests", _) | ("tests/common", "mod") => "tests/main.rs".into(),
             ("tests/common", _) => "tests/common/mod.rs".into(),
             _ => format!("{folder}.rs"),
@@ -381,8 +401,10 @@ fn undeclared_modules_are_found() {
             .count()
     };
     for (path, parent) in [
-        ("src/a.rs", "src/lib.rs"),
+        ("src/a.rs", "src/main.rs"),
         ("src/b/a.rs", "src/b.rs"),
+        ("crates/pelage-x/src/a.rs", "crates/pelage-x/src/lib.rs"),
+        ("crates/pelage-x/src/b/a.rs", "crates/pelage-x/src/b.rs"),
         ("tests/a.rs", "tests/main.rs"),
         ("tests/common/a.rs", "tests/common/mod.rs"),
     ] {
@@ -392,6 +414,48 @@ fn undeclared_modules_are_found() {
     }
     assert_eq!(complaints("tests/common/mod.rs", "tests/main.rs", "mod common;"), 0);
     assert_eq!(complaints("tests/common/mod.rs", "tests/main.rs", "mod a;"), 1);
+}
+
+// The crates.
+
+/// All packages that `package` is built from, by the names in Cargo.lock.
+fn dependencies(lock: &toml::Table, package: &str) -> BTreeSet<String> {
+    let packages = lock["package"].as_array().expect("packages");
+    let of = |name: &str| -> Vec<String> {
+        packages
+            .iter()
+            .filter(|p| p["name"].as_str() == Some(name))
+            .filter_map(|p| p.get("dependencies")?.as_array())
+            .flatten()
+            .filter_map(|d| Some(d.as_str()?.split(' ').next()?.to_owned()))
+            .collect()
+    };
+    let mut found = BTreeSet::new();
+    let mut open = vec![package.to_owned()];
+    while let Some(next) = open.pop() {
+        open.extend(of(&next).into_iter().filter(|d| found.insert(d.clone())));
+    }
+    found
+}
+
+/// Those who read scenes, grow fur or trace paths on the CPU get no GPU, no command line, no solver and no font.
+#[test]
+fn crates_for_the_cpu_depend_on_no_gpu() {
+    let text = std::fs::read_to_string(root().join("Cargo.lock")).expect("Cargo.lock");
+    let lock: toml::Table = text.parse().expect("TOML");
+    for package in ["pelage-core", "pelage-fur", "pelage-pathtrace"] {
+        let all = dependencies(&lock, package);
+        assert!(all.contains("glam"), "{package}: {all:?}");
+        for unwanted in ["wgpu", "naga", "clap", "faer", "noto-sans-mono-bitmap", "pelage-gpu"] {
+            assert!(!all.contains(unwanted), "{package} depends on {unwanted}");
+        }
+    }
+    let render = dependencies(&lock, "pelage-render");
+    assert!(
+        render.contains("wgpu") && render.contains("pelage-fur") && render.contains("faer"),
+        "{render:?}"
+    );
+    assert!(!render.contains("pelage-shells") && !render.contains("clap"), "{render:?}");
 }
 
 /// Links of the documents to files of the repository.

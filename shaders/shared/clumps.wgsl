@@ -1,5 +1,5 @@
 // The undercoat's structure: clumps, uneven height, spread of the tangents, from simplex noise.
-// Needs: fur (uniform Fur), noise (uniform Noise); shared/random, shared/noise, shared/undercoat.
+// Needs: fur (uniform FurParameters), noise (uniform Noise); shared/random, shared/noise, shared/undercoat.
 
 fn field(p: vec3f, frequency: f32) -> f32 {
     if fur.noise_domain == 1u {

@@ -1,5 +1,5 @@
 // The prism shell: coordinates, subelement index, neighbour hops.
-// Needs: shell_vertices (array<ShellVertex>), prisms (array<Prism>), fur (uniform Fur).
+// Needs: shell_vertices (array<ShellVertex>), prisms (array<Prism>), fur (uniform FurParameters).
 
 #import shared/shell_types
 

@@ -1,5 +1,5 @@
 // The undercoat's medium: density and tangent of a subelement.
-// Needs: fur (uniform Fur); shared/octahedral.
+// Needs: fur (uniform FurParameters); shared/octahedral.
 
 #import shared/undercoat_types
 

@@ -1,6 +1,6 @@
 // Parameters of the undercoat and of its light lattice.
 
-struct Fur {
+struct FurParameters {
     // Volume
     layers: u32,
     storage: u32,              // 1 stored, 0 evaluated

@@ -17,13 +17,14 @@ use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use pelage_gpu::recorder::{RasterTargets, Timings};
 use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope, shader};
 use pelage_render::prepare::Prepared;
+use pelage_render::shaders;
 use std::sync::OnceLock;
 
 /// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a
 /// failure.
 pub fn open() -> Option<&'static Gpu> {
     static GPU: OnceLock<Result<Gpu, String>> = OnceLock::new();
-    match GPU.get_or_init(|| Gpu::open().map_err(|e| e.to_string())) {
+    match GPU.get_or_init(|| pelage_render::open().map_err(|e| e.to_string())) {
         Ok(gpu) => Some(gpu),
         Err(e) if std::env::var("PELAGE_GPU").is_ok_and(|v| v == "required") => panic!("{e}"),
         Err(e) => {
@@ -335,7 +336,7 @@ pub fn evaluate<I: Pod, O: Pod>(
     input: &[I],
     count: usize,
 ) -> Vec<O> {
-    let text = resolve(code);
+    let text = shader::resolve_text(shaders::text, "test", code).unwrap().text;
     let input = gpu.upload("input", 0, input).unwrap();
     let output = gpu.storage("output", 0, (count * size_of::<O>()) as u64).unwrap();
     let module = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -373,29 +374,6 @@ pub fn evaluate<I: Pod, O: Pod>(
     }
     gpu.queue.submit([encoder.finish()]);
     gpu.read(&output, (count * size_of::<O>()) as u64).unwrap()
-}
-
-/// Replaces `#import` lines, each file once.
-fn resolve(code: &str) -> String {
-    fn include(code: &str, seen: &mut Vec<String>, out: &mut String) {
-        for line in code.lines() {
-            match line.trim().strip_prefix("#import ") {
-                Some(name) if seen.iter().any(|s| s == name) => {}
-                Some(name) => {
-                    seen.push(name.to_owned());
-                    let known = shader::SOURCES.iter().find(|(known, _)| *known == name);
-                    include(known.unwrap_or_else(|| panic!("no shader {name}")).1, seen, out);
-                }
-                None => {
-                    out.push_str(line);
-                    out.push('\n');
-                }
-            }
-        }
-    }
-    let mut out = String::new();
-    include(code, &mut Vec::new(), &mut out);
-    out
 }
 
 /// Fails unless `actual` and `wanted` differ by at most `tolerance` x (1 + |wanted|).

@@ -61,7 +61,7 @@ shared! {
         padding: u32,
     }
     /// `shared/undercoat_types.wgsl`
-    struct Fur {
+    struct FurParameters {
         layers: u32,
         storage: u32,
         noise_domain: u32,

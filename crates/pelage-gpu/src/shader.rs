@@ -31,8 +31,17 @@ impl Resolved {
 /// [`Error::Gpu`] for an unknown name, with the place of the import.
 pub fn resolve(sources: Sources, name: &str) -> Result<Resolved> {
     let mut resolved = Resolved { text: String::new(), lines: Vec::new() };
-    let mut seen = Vec::new();
-    include(sources, name, "the program", &mut seen, &mut resolved)?;
+    include(sources, name, "the program", &mut Vec::new(), &mut resolved)?;
+    Ok(resolved)
+}
+
+/// As [`resolve`], of a text that no file holds; `name` stands for it in messages.
+///
+/// # Errors
+/// As [`resolve`].
+pub fn resolve_text(sources: Sources, name: &str, text: &str) -> Result<Resolved> {
+    let mut resolved = Resolved { text: String::new(), lines: Vec::new() };
+    append(sources, &name.into(), text, &mut Vec::new(), &mut resolved)?;
     Ok(resolved)
 }
 
@@ -50,8 +59,18 @@ fn include(
         sources(name).ok_or_else(|| Error::gpu(name, format!("no such shader, imported by {from}")))?;
     let file: Arc<str> = name.into();
     seen.push(file.clone());
+    append(sources, &file, &text, seen, out)
+}
+
+fn append(
+    sources: Sources,
+    file: &Arc<str>,
+    text: &str,
+    seen: &mut Vec<Arc<str>>,
+    out: &mut Resolved,
+) -> Result<()> {
     for (i, line) in text.lines().enumerate() {
-        if let Some(import) = line.strip_prefix("#import ") {
+        if let Some(import) = line.trim_start().strip_prefix("#import ") {
             include(sources, import.trim(), &format!("shaders/{file}.wgsl:{}", i + 1), seen, out)?;
         } else {
             out.text.push_str(line);

@@ -27,7 +27,7 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// What is content.
+/// What a run makes.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Figures: folders of `paper_figures/` or the unique ends of their names; empty: all.
@@ -142,13 +142,13 @@ fn make(
     std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
     let caption = folder.join("caption.md");
     let caption = std::fs::read_to_string(&caption).map_err(|e| Error::io(&caption, e))?;
-    let stage =
+    let context =
         FigureContext { gpu, figure, folder, out: &out, quick: options.quick, asked: options.size, cancel };
     let mut content = context.panels()?;
     if let Some(study) = figure.study.as_deref().and_then(study::find) {
         let more = study(&context)?;
-        content.shots.extend(more.shots);
-        content = FigureContent { shots: content.shots, missing: content.missing, ..more };
+        content.images.extend(more.images);
+        content = FigureContent { images: content.images, missing: content.missing, ..more };
     }
     let record = Record {
         figure: name,
@@ -160,7 +160,7 @@ fn make(
         caption,
         ..Record::default()
     };
-    record.write(figure, made, &out)
+    record.write(figure, content, &out)
 }
 
 fn name_of(folder: &Path) -> String {

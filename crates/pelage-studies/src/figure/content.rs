@@ -20,7 +20,7 @@ pub struct PanelImage {
     pub film: Film,
     /// How it is shown.
     pub spec: FilmSpec,
-    /// The scene as it was rendered, TOML; `None` for what no scene content.
+    /// The scene as it was rendered, TOML; `None` where no scene was rendered.
     pub scene: Option<String>,
     /// Counts and times.
     pub stats: Option<Stats>,
@@ -59,7 +59,7 @@ pub struct Diagram {
 #[derive(Default)]
 pub struct FigureContent {
     /// Pictures, which are also assembled to a sheet.
-    pub shots: Vec<PanelImage>,
+    pub images: Vec<PanelImage>,
     /// Curves, each with part of its file's name.
     pub plots: Vec<(String, Plot)>,
     /// Drawings.
@@ -150,7 +150,7 @@ impl Record {
     ///
     /// # Errors
     /// [`Error::Io`]; [`Error::Unsupported`] where a film lacks planes or a wipe names no picture.
-    pub(super) fn write(mut self, figure: &Figure, made: FigureContent, out: &Path) -> Result<Self> {
+    pub(super) fn write(mut self, figure: &Figure, content: FigureContent, out: &Path) -> Result<Self> {
         let metadata = Metadata::of_program()
             .with_adapter(&self.provenance.adapter, &self.provenance.driver)
             .with_command_line(self.provenance.command.iter());
@@ -158,23 +158,23 @@ impl Record {
             files::write_atomically(&out.join(file), |f| Ok(std::io::Write::write_all(f, text.as_bytes())?))
         };
         let mut tiles = Vec::new();
-        for (i, shot) in content.shots.iter().enumerate() {
+        for (i, image) in content.images.iter().enumerate() {
             let letter = letter(i);
-            let stem = format!("{letter}_{}", file_name(&shot.label));
+            let stem = format!("{letter}_{}", file_name(&image.label));
             let [file, layers] = ["png", "exr"].map(|end| format!("{stem}.{end}"));
             let mut metadata = metadata.clone();
-            if let Some(scene) = &shot.scene {
+            if let Some(scene) = &image.scene {
                 metadata = metadata.with_scene(scene);
             }
-            if let Some(stats) = &shot.stats {
+            if let Some(stats) = &image.stats {
                 metadata = metadata.with_stats(stats);
             }
             for file in [&file, &layers] {
-                io::write(&shot.film, out.join(file), &metadata, &shot.spec)?;
+                io::write(&image.film, out.join(file), &metadata, &image.spec)?;
             }
-            tiles.push(panel::Picture::of(&shot.film, &shot.spec, format!("({letter}) {}", shot.label))?);
-            let stats = shot.stats.as_ref().and_then(|stats| serde_json::to_value(stats).ok());
-            self.pictures.push(Picture { label: shot.label.clone(), file, layers, stats });
+            tiles.push(panel::Picture::of(&image.film, &image.spec, format!("({letter}) {}", image.label))?);
+            let stats = image.stats.as_ref().and_then(|stats| serde_json::to_value(stats).ok());
+            self.pictures.push(Picture { label: image.label.clone(), file, layers, stats });
         }
         if !tiles.is_empty() {
             let sheet = panel::assemble(&tiles, figure.columns);

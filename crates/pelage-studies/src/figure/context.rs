@@ -161,7 +161,7 @@ impl FigureContext<'_> {
         };
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
             self.gpu.ledger.reset_peaks();
-            content.shots.push(match job {
+            content.images.push(match job {
                 Job::Scene(mut world, assets) => {
                     let state = animation::at(&world.scene, panel.frame);
                     world.scene.camera = state.camera;

@@ -57,10 +57,10 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let mut content = FigureContent::default();
     let plate = plate(context, &world, &assets, settings.blur)?;
     let (composed, assets) = context.load(&settings.scene, &["film.background=plate".into(), plate])?;
-    content.shots.push(context.render_panel("in the plate", &composed, &assets)?);
+    content.images.push(context.render_panel("in the plate", &composed, &assets)?);
     content.files.push((PLATE.into(), "The plate, linear light".into()));
-    content.shots.push(PanelImage::drawn("mirror ball", sky.ball(width, height)));
-    content.shots.push(PanelImage::drawn(
+    content.images.push(PanelImage::drawn("mirror ball", sky.ball(width, height)));
+    content.images.push(PanelImage::drawn(
         &format!("map with its {} lights", lights.len()),
         sky.marked(&lights, width, height),
     ));

@@ -65,7 +65,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for picture in found.pictures.iter().filter(|picture| !timed(&picture.caption)) {
         // Pictures that are there already: as a display shows them.
         let film = magnified(&io::read(options.out.join(&picture.file))?, settings.magnify.max(1))?;
-        content.shots.push(PanelImage::drawn(&picture.caption, film));
+        content.images.push(PanelImage::drawn(&picture.caption, film));
     }
     content.text += &found.table.as_ref().map_or(String::new(), |table| table.markdown() + "\n");
     content.files.push((format!("{REPORT}/report.html"), "The whole report".into()));

@@ -50,7 +50,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     }
     let [front, back] = [edge, edge - slab];
     wire_box(&mut canvas, [Vec3::new(0.0, 0.0, back), Vec3::new(edge, height, front)], CYAN);
-    content.shots.push(PanelImage::drawn("hairs, the fin's slab", canvas.film()));
+    content.images.push(PanelImage::drawn("hairs, the fin's slab", canvas.film()));
 
     let spread = settings.apart * height;
     let mut canvas = Canvas::new(&camera(edge, spread), size);
@@ -65,7 +65,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             canvas.line([corners[k].0, corners[(k + 1) % 4].0], Vec3::splat(0.75), 0.6, 0.0);
         }
     }
-    content.shots.push(PanelImage::drawn(&format!("{count} layers, drawn apart"), canvas.film()));
+    content.images.push(PanelImage::drawn(&format!("{count} layers, drawn apart"), canvas.film()));
 
     let mut canvas = Canvas::new(&front_camera(edge, height), size);
     let corner = |u: f32, v: f32| (Vec3::new(u * edge, v * height, 0.0), Vec2::new(u, v));
@@ -74,7 +74,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for k in 0..4 {
         canvas.line([corners[k].0, corners[(k + 1) % 4].0], CYAN, 1.2, 0.0);
     }
-    content.shots.push(PanelImage::drawn("fin", canvas.film()));
+    content.images.push(PanelImage::drawn("fin", canvas.film()));
 
     for (label, set) in [("without texture", "base"), ("layers", "false"), ("layers and fins", "true")] {
         let set = match set {
@@ -82,7 +82,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             fins => ["shells.shells=true".to_owned(), format!("shells.fins={fins}")],
         };
         let (world, assets) = context.load(&settings.scene, &set)?;
-        content.shots.push(context.render_panel(label, &world, &assets)?);
+        content.images.push(context.render_panel(label, &world, &assets)?);
     }
     drop((world, assets));
 

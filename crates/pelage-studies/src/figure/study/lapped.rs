@@ -30,15 +30,15 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let (world, assets) = context.load(&settings.scene, &set)?;
         let skin = &world.skin;
         let found = lapped::lap(skin, &world.scene)?;
-        if content.shots.is_empty() {
+        if content.images.is_empty() {
             // Facets show the mesh below the strokes.
             let picture = lapped::field_picture(&found, &skin.clone().faceted(), side);
-            content.shots.push(PanelImage::drawn("mesh and directions", picture));
+            content.images.push(PanelImage::drawn("mesh and directions", picture));
         }
         let picture = lapped::patch_picture(&found, skin, side);
-        content.shots.push(PanelImage::drawn(&format!("patches, {label}"), picture));
+        content.images.push(PanelImage::drawn(&format!("patches, {label}"), picture));
         context.tell(&format!("patches, {label}: {:.2} s", found.time_ms / 1e3))?;
-        if content.shots.len() == 2 {
+        if content.images.len() == 2 {
             fur = Some(context.render_panel("fur on the patches", &world, &assets)?);
         }
         let statistics = found.statistics(skin)?;
@@ -48,7 +48,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         content.value(&format!("{label}: mean stretch"), statistics.mean_stretch, 0.01);
         rows.push(row(&format!("{label}, ours"), &statistics));
     }
-    content.shots.extend(fur);
+    content.images.extend(fur);
     let mut paper = vec![
         "whole faces, paper's bunny".to_owned(),
         settings.paper_faces.to_string(),

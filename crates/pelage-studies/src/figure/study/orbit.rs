@@ -60,7 +60,7 @@ fn video(
         let shot = context.render_panel(&format!("frame {number}"), world, assets)?;
         pictures.push(codes(&shot.film, &shot.spec)?);
         if (number - 1) % every == 0 {
-            content.shots.push(shot);
+            content.images.push(shot);
         }
     }
     world.scene = scene;

@@ -109,14 +109,14 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     ] {
         content.value(name, value, tolerance);
     }
-    content.shots.push(context.render_panel("7 picture, filtered", &world, &assets)?);
+    content.images.push(context.render_panel("7 picture, filtered", &world, &assets)?);
     Ok(content)
 }
 
 /// Pictures of one size, each with its key under it.
 struct Strips<'a> {
     size: [u32; 2],
-    made: &'a mut FigureContent,
+    content: &'a mut FigureContent,
 }
 
 impl Strips<'_> {
@@ -127,7 +127,7 @@ impl Strips<'_> {
     fn show(&mut self, label: &str, colors: Vec<Vec3>) {
         let [w, h] = self.size;
         let pixels: Vec<[f32; 4]> = colors.into_iter().map(pixel).collect();
-        self.content.shots.push(PanelImage::drawn(label, Film::from_premultiplied(w, h, &pixels)));
+        self.content.images.push(PanelImage::drawn(label, Film::from_premultiplied(w, h, &pixels)));
     }
 
     /// Values in the magma colour map, from the smallest to the 99th percentile; the label tells the range, and the key lies over the

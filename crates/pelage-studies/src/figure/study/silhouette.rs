@@ -60,7 +60,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     mesh(&mut canvas, &world, 0.5);
     strokes(&mut canvas, &world, &near, YELLOW);
     strokes(&mut canvas, &world, &on, ORANGE);
-    content.shots.push(PanelImage::drawn("silhouette edges", canvas.film()));
+    content.images.push(PanelImage::drawn("silhouette edges", canvas.film()));
 
     let mut canvas = Canvas::new(&world.scene.camera, context.size());
     mesh(&mut canvas, &world, 0.5);
@@ -70,7 +70,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for edge in &on {
         fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
     }
-    content.shots.push(PanelImage::drawn("extruded to fins", canvas.film()));
+    content.images.push(PanelImage::drawn("extruded to fins", canvas.film()));
     content.value("edges", all.len() as f64, 0.0);
     content.value("edges on the silhouette", on.len() as f64, 2.0);
     content.value("edges with fins", near.len() as f64, 2.0);
@@ -118,7 +118,7 @@ pub(super) fn shells(context: &FigureContext) -> Result<FigureContent> {
                 canvas.line([at(e.a, h), at(e.b, h)], BLUE.lerp(Vec3::ONE, pale), width, 0.0);
             }
         }
-        content.shots.push(PanelImage::drawn(label, canvas.film()));
+        content.images.push(PanelImage::drawn(label, canvas.film()));
     }
     content.value("triangles", skin.triangles.len() as f64, 0.0);
     content.value("edges", all.len() as f64, 0.0);

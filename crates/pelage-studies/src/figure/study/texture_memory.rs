@@ -60,11 +60,11 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             coded(&textures, encoding).map_err(Error::Unsupported)?
         };
         let mut world = world.clone();
-        let folder = context.out.join(format!("textures_{}", content.shots.len()));
+        let folder = context.out.join(format!("textures_{}", content.images.len()));
         let options = WriteOptions { formats: vec![Format::Exr], ..WriteOptions::default() };
         bake::write(&stored, &folder, &options)?;
         world.textures = Some(folder.join(bake::MANIFEST));
-        content.shots.push(context.render_panel(label, &world, &assets)?);
+        content.images.push(context.render_panel(label, &world, &assets)?);
         std::fs::remove_dir_all(&folder).map_err(|e| Error::io(&folder, e))?;
         let change = 100.0 * (coverage(&stored) / coverage(&textures) - 1.0);
         let psnr = psnr.map_or_else(

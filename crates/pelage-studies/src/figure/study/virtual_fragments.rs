@@ -49,7 +49,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         error: compare(&simplified.film, &exact.film)?,
         stats: simplified.stats.clone().unwrap_or_default(),
     });
-    content.shots.push(simplified);
+    content.images.push(simplified);
     for x in &settings.numbers {
         let set = ["render.blend=virtual".into(), format!("render.virtual_fragments={x}")];
         let shot = render_panel(&format!("virtual, x = {x}"), &set)?;
@@ -60,11 +60,11 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             stats: shot.stats.clone().unwrap_or_default(),
         });
         if settings.shown.contains(x) {
-            content.shots.push(shot);
+            content.images.push(shot);
         }
     }
     let reference = exact.stats.clone().unwrap_or_default();
-    content.shots.push(exact);
+    content.images.push(exact);
     for row in &rows {
         let (flip, rmse) = (row.error.all.flip, row.error.all.rmse);
         content.value(&format!("{}: mean FLIP against exact", row.name), flip, 0.1 * flip + 1e-3);
