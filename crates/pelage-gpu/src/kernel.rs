@@ -18,6 +18,16 @@ pub enum Resource<'a> {
     Sampler(&'a wgpu::Sampler),
 }
 
+impl Resource<'_> {
+    fn kind(&self) -> &'static str {
+        match self {
+            Self::Buffer(_) => "a buffer",
+            Self::Texture(_) => "a texture",
+            Self::Sampler(_) => "a sampler",
+        }
+    }
+}
+
 /// Resources by name.
 #[derive(Clone, Default)]
 pub struct Scope<'a>(BTreeMap<&'a str, Resource<'a>>);
@@ -46,6 +56,21 @@ struct Binding {
     index: u32,
     ty: wgpu::BindingType,
     stages: wgpu::ShaderStages,
+    /// Bytes of the declared type, an array without a length counted as one element; 0 for textures and samplers.
+    size: u64,
+}
+
+impl Binding {
+    /// Whether a buffer of `size` bytes can be what the shader declares. A uniform is one struct, and buffers are
+    /// allocated in multiples of 16 bytes.
+    fn takes(&self, size: u64) -> bool {
+        match self.ty {
+            wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. } => {
+                size == self.size.next_multiple_of(16)
+            }
+            _ => size >= self.size,
+        }
+    }
 }
 
 /// The bindings that one or more entry points of a module use.
@@ -81,6 +106,7 @@ impl Interface {
                 index: place.binding,
                 ty: binding_type(stem, module, variable)?,
                 stages,
+                size: size_of(module, variable),
             });
         }
         let storage = bindings
@@ -121,10 +147,37 @@ impl Interface {
                 let known: Vec<&&str> = scope.0.keys().collect();
                 Error::gpu(&self.stem, format!("nothing is bound to `{}`; in scope: {known:?}", binding.name))
             })?;
-            let resource = match resource {
-                Resource::Buffer(buffer) => buffer.as_entire_binding(),
-                Resource::Texture(view) => wgpu::BindingResource::TextureView(view),
-                Resource::Sampler(sampler) => wgpu::BindingResource::Sampler(sampler),
+            let resource = match (resource, binding.ty) {
+                (Resource::Buffer(buffer), wgpu::BindingType::Buffer { .. }) => {
+                    if !binding.takes(buffer.size()) {
+                        return Err(Error::gpu(
+                            &self.stem,
+                            format!(
+                                "the buffer bound to `{}` has {} bytes, the shader declares {}",
+                                binding.name,
+                                buffer.size(),
+                                binding.size
+                            ),
+                        ));
+                    }
+                    buffer.as_entire_binding()
+                }
+                (Resource::Texture(view), wgpu::BindingType::Texture { .. }) => {
+                    wgpu::BindingResource::TextureView(view)
+                }
+                (Resource::Sampler(sampler), wgpu::BindingType::Sampler(_)) => {
+                    wgpu::BindingResource::Sampler(sampler)
+                }
+                (found, _) => {
+                    return Err(Error::gpu(
+                        &self.stem,
+                        format!(
+                            "{} is bound to `{}`, which the shader declares otherwise",
+                            found.kind(),
+                            binding.name
+                        ),
+                    ));
+                }
             };
             entries.push(wgpu::BindGroupEntry { binding: binding.index, resource });
         }
@@ -136,13 +189,24 @@ impl Interface {
     }
 }
 
+/// Bytes of a buffer's declared type, an array without a length counted as one element.
+fn size_of(module: &naga::Module, variable: &naga::GlobalVariable) -> u64 {
+    match variable.space {
+        naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. } => {
+            u64::from(module.types[variable.ty].inner.size(module.to_ctx()))
+        }
+        _ => 0,
+    }
+}
+
 fn binding_type(
     stem: &str,
     module: &naga::Module,
     variable: &naga::GlobalVariable,
 ) -> Result<wgpu::BindingType> {
     use naga::{AddressSpace, ImageClass, ScalarKind, StorageAccess, TypeInner};
-    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size: None };
+    let min_binding_size = std::num::NonZeroU64::new(size_of(module, variable));
+    let buffer = |ty| wgpu::BindingType::Buffer { ty, has_dynamic_offset: false, min_binding_size };
     Ok(match variable.space {
         AddressSpace::Uniform => buffer(wgpu::BufferBindingType::Uniform),
         AddressSpace::Storage { access } => {

@@ -8,7 +8,7 @@ pub mod shader;
 
 pub use adapter::{AdapterSummary, list_adapters};
 pub use kernel::{Kernel, RasterKernel, Resource, Scope};
-pub use memory::{Buffer, Ledger};
+pub use memory::{Buffer, Buffers, Ledger};
 pub use recorder::Recorder;
 pub use shader::Sources;
 

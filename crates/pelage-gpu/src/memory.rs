@@ -1,5 +1,7 @@
 //! Counted GPU memory.
 
+use super::Scope;
+use pelage_core::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
@@ -87,6 +89,47 @@ impl Buffer {
     ) -> Self {
         ledger.add(step, size);
         Self { raw, name, size, step, ledger }
+    }
+}
+
+/// Buffers that live together, by name.
+#[derive(Default)]
+pub struct Buffers(Vec<Buffer>);
+
+impl Buffers {
+    /// Adds a buffer; one of the same name is replaced.
+    pub fn push(&mut self, buffer: Buffer) {
+        self.0.retain(|known| known.name != buffer.name);
+        self.0.push(buffer);
+    }
+
+    /// Adds buffers as [`Buffers::push`] does.
+    pub fn extend(&mut self, buffers: impl IntoIterator<Item = Buffer>) {
+        buffers.into_iter().for_each(|buffer| self.push(buffer));
+    }
+
+    /// A buffer by its name.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with the names that there are.
+    pub fn get(&self, name: &str) -> Result<&Buffer> {
+        self.0.iter().find(|buffer| buffer.name == name).ok_or_else(|| {
+            let known: Vec<&str> = self.0.iter().map(|buffer| buffer.name).collect();
+            Error::gpu(name, format!("there is no buffer of this name; there are {known:?}"))
+        })
+    }
+
+    /// `scope` with these buffers added; they replace earlier ones of the same names.
+    pub fn add_to<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
+        scope.with(&self.0.iter().collect::<Vec<_>>())
+    }
+}
+
+impl From<Vec<Buffer>> for Buffers {
+    fn from(buffers: Vec<Buffer>) -> Self {
+        let mut all = Self::default();
+        all.extend(buffers);
+        all
     }
 }
 
