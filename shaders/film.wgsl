@@ -19,8 +19,8 @@ struct Reconstruction {
 
 #import shared/frame
 #import shared/index
-#import shared/octahedral
 #import shared/base
+#import shared/film_sample
 
 fn weight(k: u32) -> f32 {
     return reconstruction.weights[k / 4u][k % 4u];
@@ -47,24 +47,20 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         for (var x = 0u; x < reconstruction.taps; x++) {
             let w = weight(x) * weight(y);
             let xy = clamp(corner + vec2i(vec2u(x, y)), vec2i(0), vec2i(frame.tile_size) - 1);
-            let at = 2u * u32(xy.y * i32(frame.tile_size.x) + xy.x);
-            let a = samples[at];
-            let b = samples[at + 1u];
-            let mixed = unpack2x16float(a.y);
-            let last = unpack2x16float(b.x);
-            guard += w * vec3f(unpack2x16float(a.x), mixed.x);
-            undercoat += w * vec3f(mixed.y, unpack2x16float(a.z));
-            base += w * vec3f(unpack2x16float(a.w), last.x);
-            through += w * last.y;
-            fragments += w * f32(b.w);
-            let z = bitcast<f32>(b.y);
-            if z < NO_BASE {
-                let opacity = w * (1.0 - last.y);
-                z_sum += opacity * z;
+            let at = 2u * tile_index(vec2u(xy));
+            let s = unpack_film_sample(samples[at], samples[at + 1u]);
+            guard += w * s.guard;
+            undercoat += w * s.undercoat;
+            base += w * s.base;
+            through += w * s.through;
+            fragments += w * f32(s.fragments);
+            if s.z < NO_BASE {
+                let opacity = w * (1.0 - s.through);
+                z_sum += opacity * s.z;
                 z_weight += opacity;
             }
-            if b.z != 0u {
-                normal += w * octahedral_decode(unpack2x16snorm(b.z));
+            if s.normal != 0u {
+                normal += w * unpack_direction(s.normal);
             }
         }
     }

@@ -2,10 +2,6 @@
 // the order within a bin does not matter. Where the strands do not fit the budget, `gather` picks the roots whose strands may touch one
 // tile, and only those are grown.
 
-struct Batch {
-    strands: u32,
-}
-
 struct Tiles {
     origin: vec2i,   // of the grid, samples
     size: vec2u,     // of a tile, samples
@@ -14,7 +10,7 @@ struct Tiles {
     length: f32,     // of the longest strand with everything that bends it, cm
 }
 
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> tiles: Tiles;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
@@ -28,9 +24,9 @@ struct Tiles {
 
 #import shared/frame
 #import shared/index
-#import shared/shell_types
 #import shared/groom_types
 #import shared/root_types
+#import shared/skin
 #import shared/strands
 
 // First and last tile that a strand touches; last < first where it touches none.
@@ -101,9 +97,7 @@ fn gather(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
         return;
     }
     let root = roots[i];
-    let v = prisms[root.prism].vertices;
-    let l = vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda);
-    let p = film_from_world(l.x * shell_vertices[v.x].position + l.y * shell_vertices[v.y].position + l.z * shell_vertices[v.z].position);
+    let p = film_from_world(skin_position(prisms[root.prism].vertices, root_lambda(root)));
     if p.z + tiles.length < frame.near {
         return;
     }

@@ -1,11 +1,7 @@
 // Step 2: what stands in the way of the light, at the nodes of the light lattice. `deposit` adds the guard hairs' length x diameter in
 // fixed point, so that the order of additions does not matter; `normalise` divides by the nodes' volumes and joins the undercoat.
 
-struct Batch {
-    strands: u32,
-}
-
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: Fur;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -25,6 +21,8 @@ struct Batch {
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
+#import shared/uv_in_corners
+#import shared/noise_domain
 #import shared/lattice
 #import shared/column
 #import shared/column_place
@@ -69,16 +67,16 @@ fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
 @compute @workgroup_size(64)
 fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= fur.columns * (fur.levels + 1u) {
+    if i >= node_count() {
         return;
     }
-    let column = i / (fur.levels + 1u);
-    let level = i % (fur.levels + 1u);
+    let column = column_of_node(i);
+    let level = level_of_node(i);
     var place: Place;
     enter_node(&place, column, level);
     let t = place.t;
     let flat = cross(place.e1, place.e2);
-    let raised = cross(place.e1 + t * place.w1, place.e2 + t * place.w2);
+    let raised = layer_at(&place, t).n;
     let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
     // The end nodes stand for half a cell.
     let cells = select(1.0, 0.5, level == 0u || level == fur.levels);
@@ -86,13 +84,8 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     let guard = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
     var undercoat = 0.0;
     if t <= 1.0 && fur.extinction > 0.0 {
-        var p = place.p0 + place.lambda.y * place.e1 + place.lambda.z * place.e2;
-        if fur.noise_domain == 1u {
-            let corner = 3u * place.prism;
-            p = vec3f(place.lambda.x * corner_uv[corner] + place.lambda.y * corner_uv[corner + 1u]
-                + place.lambda.z * corner_uv[corner + 2u], 0.0);
-        }
-        let tangent = normalize(normalize(extrusion(&place)) + fur.lean * t);
+        let p = noise_point(&place, place.lambda);
+        let tangent = mean_tangent(normalize(extrusion(&place)), t);
         undercoat = fur.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
     }
     lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));

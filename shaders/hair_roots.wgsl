@@ -35,7 +35,7 @@ fn candidates(prism: u32) -> u32 {
 // The k-th candidate: an additive recurrence with a random start spreads the roots over the triangle.
 fn candidate(prism: u32, k: u32) -> vec3f {
     let seed = hash2(batch.seed, prism);
-    let u = fract(vec2f(random(seed, 1u), random(seed, 2u)) + f32(k) * vec2f(0.7548777, 0.5698403));
+    let u = r2_point(random2(seed, 1u), k);
     let r = sqrt(u.x);
     return vec3f(1.0 - r, r * (1.0 - u.y), r * u.y);
 }

@@ -91,7 +91,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var bits = vec2u(0u);
     for (var j = 0u; j < fur.lights; j++) {
         if blocked(origin, lights.lights[j].direction) {
-            bits[j >> 5u] |= 1u << (j & 31u);
+            bits[blocked_word(j)] |= blocked_bit(j);
         }
     }
     columns[i].blocked = bits;

@@ -34,6 +34,7 @@
 #import shared/oit
 #import shared/oit_read
 #import shared/base
+#import shared/film_sample
 
 // What a sample gathers, front to back. Contributions are premultiplied and add up.
 struct Gathered {
@@ -47,46 +48,53 @@ struct Gathered {
 
 fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
-    let z_base = bitcast<f32>(base.x);
+    let z_base = base_depth(base);
     var normal = 0u;
     if z_base < NO_BASE {
-        (*g).base = (*g).through * vec3f(unpack2x16float(base.y), unpack2x16float(base.z).x);
+        (*g).base = (*g).through * base_radiance(base);
         (*g).z_sum += (*g).through * z_base;
         (*g).through = 0.0;
         normal = base.w;
     }
     let opacity = 1.0 - (*g).through;
     let z = select(NO_BASE, (*g).z_sum / max(opacity, 1e-6), opacity > 1e-4);
-    samples[2u * i] = vec4u(pack2x16float((*g).guard.rg), pack2x16float(vec2f((*g).guard.b, (*g).undercoat.r)),
-        pack2x16float((*g).undercoat.gb), pack2x16float((*g).base.rg));
-    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f((*g).base.b, (*g).through)), bitcast<u32>(z), normal, (*g).fragments);
+    let packed = pack_film_sample(
+        FilmSample((*g).guard, (*g).undercoat, (*g).base, (*g).through, z, normal, (*g).fragments));
+    samples[2u * i] = packed[0];
+    samples[2u * i + 1u] = packed[1];
     if (*g).fragments > 0u {
         atomicMax(&lost_rays[1], (*g).fragments);
     }
 }
 
-fn over_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
-    (*g).guard += (*g).through * color.rgb;
+// Puts a fragment behind what is gathered; returns the radiance that it adds.
+fn put_behind(g: ptr<function, Gathered>, color: vec4f, z: f32) -> vec3f {
+    let added = (*g).through * color.rgb;
     (*g).z_sum += (*g).through * color.a * z;
     (*g).through *= 1.0 - color.a;
+    return added;
 }
 
-fn over_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
-    (*g).undercoat += (*g).through * color.rgb;
-    (*g).z_sum += (*g).through * color.a * z;
-    (*g).through *= 1.0 - color.a;
+fn put_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    let added = put_behind(g, color, z);
+    (*g).guard += added;
+}
+
+fn put_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    let added = put_behind(g, color, z);
+    (*g).undercoat += added;
 }
 
 @compute @workgroup_size(64)
 fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    let xy = tile_xy(i);
     var g: Gathered;
     g.through = 1.0;
-    let z_base = bitcast<f32>(base_records[i].x);
+    let z_base = base_depth(base_records[i]);
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
@@ -109,11 +117,11 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
             // Fragments outside the undercoat.
             while !march.marching && next < batch.count {
                 let key = batch.source[next];
-                if (key >> KIND_SHIFT) == KIND_ENTRY {
+                if fragment_kind(key) == KIND_ENTRY {
                     skip_to = 0.0;
-                    enter_shell(&march, &place, key & ID_MASK, batch.z[next], phase);
+                    enter_shell(&march, &place, fragment_id(key), batch.z[next], phase);
                 } else {
-                    over_strand(&g, node_color(batch.node[next]), batch.z[next]);
+                    put_strand(&g, node_color(batch.node[next]), batch.z[next]);
                 }
                 next++;
             }
@@ -140,17 +148,17 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 let length = z_to - max(march.z, skip_to);
                 if length > 0.0 {
                     let rest = exp(-march.sigma * length);
-                    over_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
+                    put_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
                 }
                 march.z = z_to;
                 inside = has_node && z_node <= march.z_end;
                 if inside {
                     let key = batch.source[next];
-                    if (key >> KIND_SHIFT) == KIND_ENTRY {
-                        waiting = key & ID_MASK;
+                    if fragment_kind(key) == KIND_ENTRY {
+                        waiting = fragment_id(key);
                         waiting_z = z_node;
                     } else {
-                        over_strand(&g, node_color(batch.node[next]), z_node);
+                        put_strand(&g, node_color(batch.node[next]), z_node);
                     }
                     next++;
                 }
@@ -177,7 +185,7 @@ fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
     let z_shell = (*batch).z[at];
     var alpha = color.a;
     for (var k = at + 1u; k < (*batch).count; k++) {
-        let kind = (*batch).source[k] >> KIND_SHIFT;
+        let kind = fragment_kind((*batch).source[k]);
         if kind == KIND_VOLUME {
             return max(0.0, alpha);
         }
@@ -191,10 +199,10 @@ fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
 @compute @workgroup_size(64)
 fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    let xy = tile_xy(i);
     var g: Gathered;
     g.through = 1.0;
     var batch: Batch;
@@ -208,9 +216,9 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
         for (var k = 0u; k < batch.count; k++) {
             z_after = batch.z[k];
             source_after = batch.source[k];
-            let kind = source_after >> KIND_SHIFT;
+            let kind = fragment_kind(source_after);
             if kind == KIND_STRAND {
-                over_strand(&g, node_color(batch.node[k]), z_after);
+                put_strand(&g, node_color(batch.node[k]), z_after);
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
                 if fur.virtual_fragments == 0u {
@@ -222,7 +230,7 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
                     }
                     color *= simplified_alpha(&batch, k) / max(color.a, 1e-6);
                 }
-                over_volume(&g, color, z_after);
+                put_volume(&g, color, z_after);
             }
         }
     }

@@ -11,6 +11,8 @@
 #import shared/shell_types
 #import shared/oit
 #import shared/oit_write
+#import shared/arithmetic
+#import shared/base
 
 struct Varying {
     @builtin(position) clip: vec4f,
@@ -51,11 +53,11 @@ fn wall(@builtin(vertex_index) i: u32) -> Varying {
 @fragment
 fn fragment(in: Varying) {
     let xy = vec2u(in.clip.xy);
-    let i = xy.y * frame.tile_size.x + xy.x;
+    let i = tile_index(xy);
     // The depth from the plane itself: the raster's interpolation depends on the tile.
     let along = dot(sample_ray(xy), in.plane.xyz);
-    let z = in.plane.w / select(along, -1e-20, abs(along) < 1e-20);
-    if z > frame.near && z < bitcast<f32>(base_records[i].x) {
-        add_fragment(i, z, (KIND_ENTRY << KIND_SHIFT) | (in.prism & ID_MASK), vec4f(0.0));
+    let z = in.plane.w / away_from_zero(along, -1e-20);
+    if z > frame.near && z < base_depth(base_records[i]) {
+        add_fragment(i, z, fragment_source(KIND_ENTRY, in.prism), vec4f(0.0));
     }
 }

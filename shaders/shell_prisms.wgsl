@@ -26,9 +26,13 @@ struct Counts {
 
 const FOLD_STEPS: u32 = 16u;
 
+fn triangle_vertices(t: u32) -> vec3u {
+    return vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+}
+
 fn wanted_height(v: u32) -> f32 {
     let s = skin_vertices[v];
-    return max(0.0, scalar(UNDERCOAT_HEIGHT, SkinPoint(s.position, s.normal, vertex_uv[v], unpack4x8unorm(s.color).rgb)));
+    return max(0.0, scalar(UNDERCOAT_HEIGHT, point_of_vertex(s, vertex_uv[v])));
 }
 
 // Where neighbouring normals meet below the wanted height the shell would fold over: the three vertices are lowered to
@@ -39,7 +43,7 @@ fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if t >= counts.triangles {
         return;
     }
-    let v = vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let v = triangle_vertices(t);
     let h = vec3f(wanted_height(v.x), wanted_height(v.y), wanted_height(v.z));
     let p0 = skin_vertices[v.x].position;
     let p1 = skin_vertices[v.y].position;
@@ -99,7 +103,7 @@ fn prisms_of_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
         return;
     }
     let first = 3u * t;
-    prisms[t] = Prism(vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]), subdivisions[t].y,
+    prisms[t] = Prism(triangle_vertices(t), subdivisions[t].y,
         vec3u(neighbours[first], neighbours[first + 1u], neighbours[first + 2u]), subdivisions[t].x,
         vec3u(edge_numbers[first], edge_numbers[first + 1u], edge_numbers[first + 2u]), 0u);
 }

@@ -38,10 +38,10 @@ struct FinEdge {
 #import shared/frame
 #import shared/index
 #import shared/random
-#import shared/octahedral
 #import shared/shell_types
 #import shared/groom
 #import shared/base
+#import shared/film_sample
 #import shared/shellfin_types
 
 // What the scene does not use is left out when the kernels are compiled.
@@ -62,14 +62,12 @@ struct SkinVarying {
 @vertex
 fn skin_vertex(@builtin(vertex_index) i: u32) -> SkinVarying {
     let v = fur_corners[i].vertex;
-    let word = base_light[v];
-    return SkinVarying(clip_from_world(shell_vertices[v].position), vec3f(unpack2x16float(word.x), unpack2x16float(word.y).x));
+    return SkinVarying(clip_from_world(shell_vertices[v].position), unpack_half4(base_light[v]).xyz);
 }
 
 @fragment
 fn skin_fragment(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    // The inner side of an open skin shows itself unlit.
-    return vec4f(in.light * select(0.15, 1.0, front), 1.0);
+    return vec4f(in.light * side_factor(front), 1.0);
 }
 
 struct ShellVarying {
@@ -93,8 +91,8 @@ struct Lit {
 }
 
 fn light_of(word: vec4u) -> Lit {
-    let middle = unpack2x16float(word.y);
-    return Lit(vec3f(unpack2x16float(word.x), middle.x), vec3f(middle.y, unpack2x16float(word.z)));
+    let colors = unpack_half3x2(word.xyz);
+    return Lit(colors[0], colors[1]);
 }
 
 @vertex
@@ -104,8 +102,8 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
     let p = row_positions[at];
     let lit = light_of(row_lights[at]);
     let skin = shell_vertices[corner.vertex];
-    let tangent = octahedral_decode(unpack2x16snorm(bitcast<u32>(p.w)));
-    let lean = octahedral_decode(unpack2x16snorm(row_lights[at].w));
+    let tangent = unpack_direction(bitcast<u32>(p.w));
+    let lean = unpack_direction(row_lights[at].w);
     return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent, lit.undercoat, lit.guard,
         corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row, corner.patch_index);
 }
@@ -145,7 +143,7 @@ fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
     let dy = dpdy(in.position);
     let toward = shellfin.shadow_direction - n * dot(n, shellfin.shadow_direction);
     let area = dot(cross(dx, dy), n);
-    let steps = vec2f(dot(cross(toward, dy), n), dot(cross(dx, toward), n)) / select(area, 1e-12, abs(area) < 1e-12);
+    let steps = vec2f(dot(cross(toward, dy), n), dot(cross(dx, toward), n)) / away_from_zero(area, 1e-12);
     let shift = dpdx(in.uv) * steps.x + dpdy(in.uv) * steps.y;
     let ahead = in.uv + shift / max(length(shift), 1e-6) * shellfin.shadow_offset;
     let more = textureSampleLevel(layers, repeating, ahead, layer, 0.0).a - textureSampleLevel(layers, repeating, in.uv, layer, 0.0).a;
@@ -191,7 +189,7 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     var out = lit_color(whole, guard, lit);
     var edge = 1.0;
     if shellfin.slanted == 1u {
-        let view = normalize(frame.eye - in.position);
+        let view = to_eye(in.position);
         let facing = abs(dot(n, view));
         let undercoat = spread_sine(normalize(in.lean), view, row.jitter);
         let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
@@ -226,7 +224,7 @@ struct FinVarying {
 fn fin_fade(edge: FinEdge) -> f32 {
     let a = shell_vertices[edge.a].position;
     let b = shell_vertices[edge.b].position;
-    let view = normalize(frame.eye - 0.5 * (a + b));
+    let view = to_eye(0.5 * (a + b));
     let n1 = normalize(cross(b - a, shell_vertices[edge.opposite.x].position - a));
     var n2 = n1;
     if edge.opposite.y != NO_LAYER {
@@ -271,7 +269,7 @@ fn fin_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) edge_index
     let u = random(seed, 0u) + select(0.0, width / shellfin.fin_length, right);
     var tint = vec3f(1.0);
     if MAPPED {
-        tint = color(SHELL_COLOR, SkinPoint(skin.position, skin.normal, vertex_uv[v], unpack4x8unorm(skin.color).rgb));
+        tint = color(SHELL_COLOR, point_of_vertex(skin, vertex_uv[v]));
     }
     return FinVarying(clip_from_world(row_positions[at].xyz), vec2f(u, shell_rows[row].height), lit.undercoat, lit.guard,
         tint, fade);
@@ -296,13 +294,14 @@ fn fin_fragment(in: FinVarying) -> @location(0) vec4f {
 @compute @workgroup_size(64)
 fn to_samples(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2i(vec2u(i % frame.tile_size.x, i / frame.tile_size.x));
+    let xy = vec2i(tile_xy(i));
     let c = textureLoad(color_target, xy, 0);
     let d = textureLoad(depth_target, xy, 0);
     let z = select(NO_BASE, frame.near / max(d, 1e-12), d > 0.0);
-    samples[2u * i] = vec4u(0u, pack2x16float(vec2f(0.0, c.r)), pack2x16float(c.gb), 0u);
-    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f(0.0, 1.0 - c.a)), bitcast<u32>(z), 0u, 0u);
+    let packed = pack_film_sample(FilmSample(vec3f(0.0), c.rgb, vec3f(0.0), 1.0 - c.a, z, 0u, 0u));
+    samples[2u * i] = packed[0];
+    samples[2u * i + 1u] = packed[1];
 }

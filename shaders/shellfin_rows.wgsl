@@ -38,14 +38,15 @@ struct LightingTable {
 #import shared/undercoat
 #import shared/shell_types
 #import shared/lights
+#import shared/tau
+#import shared/transmittance
 #import shared/groom
 #import shared/map_table
 #import shared/fibre
 #import shared/coat
+#import shared/guard
+#import shared/strand_curve
 #import shared/shellfin_types
-
-// The model, fixed when the kernel is compiled.
-override GUARD_MODEL: u32 = 1u;
 
 // What bends the hair of a vertex.
 struct HairRoot {
@@ -57,7 +58,7 @@ struct HairRoot {
 
 fn root_of(v: u32) -> HairRoot {
     let vertex = shell_vertices[v];
-    let at = SkinPoint(vertex.position, vertex.normal, vertex_uv[v], unpack4x8unorm(vertex.color).rgb);
+    let at = point_of_vertex(vertex, vertex_uv[v]);
     var lean = shellfin.comb;
     if shellfin.curved == 1u {
         lean += groom.comb_direction * scalar(GUARD_COMB, at);
@@ -85,14 +86,9 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
     if shellfin.curved == 1u {
         // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur; heights
         // grow evenly, for each layer of the texture stands for its own.
-        let fall = vec3f(0.0, -groom.gravity, 0.0);
-        let p1 = normalize(n + 0.5 * root.lean) / 3.0;
-        var p2 = p1 + normalize(n + 0.9 * root.lean + 0.35 * fall) / 3.0;
-        var p3 = p2 + normalize(n + 1.25 * root.lean + fall) / 3.0;
-        p2 -= n * min(0.0, dot(p2, n));
-        p3 -= n * min(0.0, dot(p3, n));
-        let r = 1.0 - s;
-        let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3) / max(dot(p3, n), 0.25);
+        let legs = leg_directions(n, root.lean, groom.gravity);
+        let polygon = control_polygon(n, legs[0] / 3.0, legs[1] / 3.0, legs[2] / 3.0);
+        let b = bezier(polygon, s) / max(dot(polygon.p3, n), 0.25);
         p = b + n * (s - dot(b, n));
     }
     // Forces bend the tips most. [Xbdev]
@@ -105,11 +101,8 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
 
 // Optical depth above column `v` at `height` (in shell heights) towards a light.
 fn column_tau(v: u32, height: f32, light: u32) -> f32 {
-    let stride = fur.tau_stride;
-    let x = clamp(height / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
-    let level = min(u32(x), fur.levels - 1u);
-    let node = (v * (fur.levels + 1u) + level) * stride + light / 2u;
-    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], x - f32(level));
+    let level = level_at(height);
+    return tau_between(node_index(v, level.lower), light, level.fraction);
 }
 
 fn table_texel(x: u32, y: u32) -> f32 {
@@ -139,15 +132,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let offset = hair(root, row.height) * root.height;
     let x = root.at.position + offset;
     let tangent = normalize(hair(root, row.height + 0.02) - hair(root, max(row.height - 0.02, 0.0)));
-    row_positions[i] = vec4f(x, bitcast<f32>(pack2x16snorm(octahedral_encode(tangent))));
+    row_positions[i] = vec4f(x, bitcast<f32>(pack_direction(tangent)));
 
-    let view = normalize(frame.eye - x);
+    let view = to_eye(x);
     var undercoat = vec3f(0.0);
     var guard = vec3f(0.0);
     let height = dot(offset, n) / max(shell_vertices[v].height, 1e-4);
     var lean = tangent;
     if shellfin.curved == 1u {
-        lean = normalize(n + fur.lean * min(height, 1.0));
+        lean = mean_tangent(n, min(height, 1.0));
     }
     if shellfin.lighting == 1u {
         for (var j = 0u; j < fur.lights; j++) {
@@ -158,22 +151,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         undercoat *= row.shade;
         guard = undercoat;
     } else {
-        let side = normalize(cross(tangent, select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(tangent.x) > 0.7)));
-        let other = cross(tangent, side);
+        let sides = sides_of(tangent);
         for (var j = 0u; j < fur.lights; j++) {
             let l = lights.lights[j].direction;
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {
-                undercoat += lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.undercoat))
+                undercoat += lights.lights[j].irradiance * light_through(depth, row.undercoat)
                     * scatter_coat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
                 // The hairs that a row stands for lean a little every way.
-                let through = lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.guard));
+                let through = lights.lights[j].irradiance * light_through(depth, row.guard);
                 for (var k = 0u; k < 4u; k++) {
                     let turn = 0.7853982 + 1.5707963 * f32(k);
-                    let t = normalize(tangent + 1.25 * shellfin.spread * (cos(turn) * side + sin(turn) * other));
-                    guard += 0.25 * through * scatter_fibre(GUARD_MODEL, guard_fibre, t, l, view, row.guard, MEAN_GLINT);
+                    let t = normalize(tangent - 1.25 * shellfin.spread * side_at(sides, turn));
+                    guard += 0.25 * through * scatter_guard(t, l, view, row.guard, MEAN_GLINT);
                 }
             }
         }
@@ -184,6 +176,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     undercoat *= root.tint;
     guard *= root.tint;
-    row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
-        pack2x16snorm(octahedral_encode(lean)));
+    row_lights[i] = vec4u(pack_half3x2(undercoat, guard), pack_direction(lean));
 }

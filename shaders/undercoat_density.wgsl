@@ -20,12 +20,8 @@ struct Counts {
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
+#import shared/uv_in_corners
 #import shared/volume
-
-// Here the volume is being written: uv come from their own buffer.
-fn uv_of_corner(corner: u32) -> vec2f {
-    return corner_uv[corner];
-}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -24,6 +24,8 @@ struct Sweep {
 #import shared/column
 #import shared/column_place
 #import shared/lights
+#import shared/tau
+#import shared/transmittance
 
 // Extinction by undercoat and guard hairs at a place, towards w, from the lattice: the march steps over cells of the volume, and the
 // optical depths are kept no finer than the lattice either.
@@ -35,8 +37,8 @@ fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
         sum += cell.weights[k] * mix(unpack2x16float(lattice_extinction[node]), unpack2x16float(lattice_extinction[node + 1u]), cell.fraction);
     }
     let normal = normalize(extrusion(place));
-    let tangent = normalize(normal + fur.lean * min((*place).t, 1.0));
-    return sum.x * select(sine(tangent, w), 0.7853982, fur.isotropic == 1u) + sum.y * 0.7853982; // pi/4: the mean sine
+    let tangent = mean_tangent(normal, min((*place).t, 1.0));
+    return sum.x * shown_part(tangent, w) + sum.y * 0.7853982; // pi/4: the mean sine
 }
 
 // Optical depth from x in the place towards w, followed to the end.
@@ -66,14 +68,7 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
 // What is left from a place at or above a finished level.
 fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
     (*place).t = max((*place).t, level_height(sweep.level + 1u));
-    let cell = lattice_cell(place);
-    let stride = fur.tau_stride;
-    var sum = 0.0;
-    for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * stride + light / 2u;
-        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], cell.fraction);
-    }
-    return sum;
+    return cell_tau(lattice_cell(place), light);
 }
 
 // Longest way to the next level that is taken in two steps, in steps of the full march.
@@ -133,10 +128,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var k = 0u; k < 2u; k++) {
         let j = 2u * pair + k;
         if j < fur.lights {
-            let behind = (columns[column].blocked[j >> 5u] & (1u << (j & 31u))) != 0u;
+            let behind = (columns[column].blocked[blocked_word(j)] & blocked_bit(j)) != 0u;
             values[k] = optical_depth(&place, x, lights.lights[j].direction, j, behind);
         } else if j == fur.lights {
-            values[k] = optical_depth(&place, x, normalize(frame.eye - x), j, false);
+            values[k] = optical_depth(&place, x, to_eye(x), j, false);
         }
     }
     tau[node_index(column, sweep.level) * fur.tau_stride + pair] = pack2x16float(values);

@@ -38,11 +38,11 @@ const ENTRIES: u32 = 12u;
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
-    let z_base = bitcast<f32>(base_records[i].x);
+    let xy = tile_xy(i);
+    let z_base = base_depth(base_records[i]);
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
@@ -58,10 +58,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         var node = atomicLoad(&fragment_lists[head_word(i)]);
         while node != 0u {
             let at = node_word(node);
-            let z = bitcast<f32>(atomicLoad(&fragment_lists[at + 1u]));
-            let key = atomicLoad(&fragment_lists[at + 2u]);
-            let behind = z > z_after || (z == z_after && key > source_after);
-            if (key >> KIND_SHIFT) == KIND_ENTRY && behind && (z < z_entry || (z == z_entry && key < entry)) {
+            let z = bitcast<f32>(atomicLoad(&fragment_lists[at + NODE_Z]));
+            let key = atomicLoad(&fragment_lists[at + NODE_SOURCE]);
+            if fragment_kind(key) == KIND_ENTRY && lies_before(z_after, source_after, z, key)
+                && lies_before(z, key, z_entry, entry) {
                 z_entry = z;
                 entry = key;
             }
@@ -71,7 +71,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             break;
         }
         let consumed = march.z;
-        enter_shell(&march, &place, entry & ID_MASK, z_entry, first_phase(xy));
+        enter_shell(&march, &place, fragment_id(entry), z_entry, first_phase(xy));
         var through = 1.0;      // of this entry
         var chunk = vec4f(0.0); // premultiplied
         var chunk_z = z_entry;
@@ -117,7 +117,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 z = z_next;
                 if virtual_fragments > 0u && z_next < z1 {
                     if chunk.a > 0.0 {
-                        add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+                        add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
                         serial++;
                     }
                     chunk = vec4f(0.0);
@@ -130,7 +130,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             }
         }
         if chunk.a > 0.0 {
-            add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+            add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
             serial++;
         }
         z_after = z_entry;

@@ -24,6 +24,10 @@
 #import shared/column
 #import shared/column_place
 #import shared/lights
+#import shared/skin
+#import shared/tau
+#import shared/transmittance
+#import shared/halves
 #import shared/record
 #import shared/source_table
 #import shared/fibre
@@ -31,30 +35,23 @@
 #import shared/transport
 #import shared/dual
 
-fn tau_of(node: u32, light: u32) -> f32 {
-    return unpack2x16float(tau[node * fur.tau_stride + light / 2u])[light & 1u];
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let node = linear_index(id, groups);
-    if node >= fur.columns * (fur.levels + 1u) {
+    if node >= node_count() {
         return;
     }
-    let column = node / (fur.levels + 1u);
-    let level = node % (fur.levels + 1u);
+    let column = column_of_node(node);
+    let level = level_of_node(node);
     var place: Place;
     let x = enter_node(&place, column, level);
     let t = min(place.t, 1.0);
-    let l = place.lambda;
-    let v = place.vertices;
-    let normal = normalize(l.x * shell_vertices[v.x].normal + l.y * shell_vertices[v.y].normal + l.z * shell_vertices[v.z].normal);
-    let tangent = normalize(normal + fur.lean * t);
-    let view = normalize(frame.eye - x);
+    let normal = skin_normal(place.vertices, place.lambda);
+    let tangent = mean_tangent(normal, t);
+    let view = to_eye(x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
     // Light that comes out has been deep in the coat and high in it.
     let coat = mean_color(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip));
-    let attenuation = 1.0 - fur.forward_scattering * albedo;
     var ambient = vec3f(0.0);
     var scattered = vec3f(0.0);   // by more than one hair
     var key_tau = vec2f(0.0);
@@ -62,7 +59,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var above = vec3f(0.0);       // what falls on guard hairs
     var below = vec3f(0.0);
     for (var j = 0u; j < fur.lights; j++) {
-        let depth = tau_of(node, j);
+        let depth = node_tau(node, j);
         let light = lights.lights[j];
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_DUAL {
             scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
@@ -80,27 +77,27 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         } else if j == fur.key_lights.y && fur.keys > 1u {
             key_tau.y = depth;
         } else if light.undercoat == 1u {
-            ambient += light.irradiance * exp(-depth * attenuation) * scatter_coat(tangent, light.direction, view, albedo);
+            ambient += light.irradiance * light_through(depth, albedo) * scatter_coat(tangent, light.direction, view, albedo);
         }
     }
     if MULTIPLE == MULTIPLE_TRANSPORT {
-        let first = node * fur.tau_stride + tau_pairs();
-        tau[first] = pack2x16float(above.rg);
-        tau[first + 1u] = pack2x16float(vec2f(above.b, below.r));
-        tau[first + 2u] = pack2x16float(below.gb);
+        let first = scattered_word(node);
+        let packed = pack_half3x2(above, below);
+        tau[first] = packed.x;
+        tau[first + 1u] = packed.y;
+        tau[first + 2u] = packed.z;
     }
     ambient += scattered / max(coat_color(albedo), vec3f(1e-3));
     let log_ambient = log2(max(ambient, vec3f(1e-7)));
-    source[node] = vec4u(pack2x16float(log_ambient.rg), pack2x16float(vec2f(log_ambient.b, columns[column].density)),
-        pack2x16float(key_tau), pack_albedo(albedo));
+    source[node] = vec4u(pack_half4(vec4f(log_ambient, columns[column].density)), pack2x16float(key_tau), pack_albedo(albedo));
     if level == 0u {
         var radiance = vec3f(0.0);
         for (var j = 0u; j < fur.lights; j++) {
             let facing = max(0.0, dot(normal, lights.lights[j].direction));
-            radiance += lights.lights[j].irradiance * facing * exp(-tau_of(node, j) * attenuation);
+            radiance += lights.lights[j].irradiance * facing * light_through(node_tau(node, j), albedo);
         }
         radiance += field_irradiance(field);
         radiance *= unpack_albedo(columns[column].color_base) * 0.31830989;
-        base_light[column] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
+        base_light[column] = pack_half4(vec4f(radiance, 0.0));
     }
 }

@@ -35,7 +35,7 @@ fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
 fn evaluate_medium(p: vec3f, normal: vec3f, t: f32, id: u32) -> Medium {
     let h = hash2(id, fur.seed);
     let growth = pow(t, fur.jitter_exponent);
-    let jittered = p + fur.uv_jitter * growth * (2.0 * vec3f(random(h, 0u), random(h, 1u), random(h, 2u)) - 1.0);
+    let jittered = p + fur.uv_jitter * growth * (2.0 * random3(h, 0u) - 1.0);
     let turn = fur.tangent_jitter * growth * random_direction(h, 3u);
     return Medium(clump_density(p, jittered, t), normalize(normal + fur.lean * t + turn));
 }

@@ -1,5 +1,7 @@
 // Columns of the light lattice. Needs: shared/shell, shared/lattice, columns (array<Column>).
 
+#import shared/barycentric
+
 struct Column {
     prism: u32,       // a triangle that it stands on
     grid: u32,        // grid point in it: i and j, 16 bits each
@@ -14,6 +16,14 @@ struct Column {
 
 // Barycentric coordinates of a column in its triangle.
 fn column_lambda(grid: u32) -> vec3f {
-    let l = vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice);
-    return vec3f(1.0 - l.x - l.y, l);
+    return barycentric(vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice));
+}
+
+// Word and bit of a light in `blocked`.
+fn blocked_word(light: u32) -> u32 {
+    return light >> 5u;
+}
+
+fn blocked_bit(light: u32) -> u32 {
+    return 1u << (light & 31u);
 }

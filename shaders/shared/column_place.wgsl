@@ -11,10 +11,5 @@ fn enter_node(place: ptr<function, Place>, column: u32, level: u32) -> vec3f {
     let l = column_lambda(columns[column].grid);
     (*place).lambda = l;
     (*place).t = level_height(level);
-    return (*place).p0 + l.y * (*place).e1 + l.z * (*place).e2 + (*place).t * extrusion(place);
-}
-
-// From the skin to the shell's top at the place's barycentric coordinates.
-fn extrusion(place: ptr<function, Place>) -> vec3f {
-    return (*place).v0 + (*place).lambda.y * (*place).w1 + (*place).lambda.z * (*place).w2;
+    return skin_at(place, l) + (*place).t * extrusion(place);
 }

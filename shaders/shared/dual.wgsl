@@ -1,6 +1,8 @@
 // Dual scattering, [Zinke2008], from the rows of `response_table` that say what a hair scatters on and back. Twin: src/transport/dual.rs.
 // Needs: shared/transport.
 
+#import shared/angles
+
 fn unit_area_gaussian(x: f32, variance: f32) -> f32 {
     return exp(-0.5 * x * x / variance) * inverseSqrt(6.2831853 * variance);
 }
@@ -8,8 +10,8 @@ fn unit_area_gaussian(x: f32, variance: f32) -> f32 {
 // Light scattered more than once from l to v by a hair with the optical depth `tau` towards l, for an irradiance of 1; the cosine of
 // incidence is in it. `row` says whose hair. [Zinke2008] eq. 5, 12 and 20
 fn dual_scatter(row: i32, tint: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: f32) -> vec3f {
-    let theta_i = asin(clamp(dot(tangent, l), -1.0, 1.0));
-    let theta_o = asin(clamp(dot(tangent, v), -1.0, 1.0));
+    let theta_i = asin(inclination_sine(tangent, l));
+    let theta_o = asin(inclination_sine(tangent, v));
     let theta_d = 0.5 * (theta_o - theta_i);
     let turn = theta_i + theta_o;
     let x = 0.5 * sin(theta_d) + 0.5;

@@ -3,6 +3,9 @@
 // (src/fibre/table.rs): R, TT, TRT and the rest by azimuth, inclination of the eye and absorption.
 // Needs: far_texel(i), a texel of the buffer that the tables lie in.
 
+#import shared/angles
+#import shared/arithmetic
+
 struct Fibre {
     intensity: vec3f,       // Sadeghi: R, TT, TRT
     diffuse: f32,
@@ -41,11 +44,11 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
 // lossless at 1/pi^2 with the sine of the incidence; the specular term sits on the mirror cone T.V = -T.L. [KajiyaKay1989]
 fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
     let dot_l = dot(tangent, l);
-    let sin_l = sqrt(max(0.0, 1.0 - dot_l * dot_l));
+    let sin_l = complement(dot_l);
     var value = diffuse * 0.10132118 * sin_l;
     if specular > 0.0 {
         let dot_v = dot(tangent, v);
-        let mirror = sin_l * sqrt(max(0.0, 1.0 - dot_v * dot_v)) - dot_l * dot_v;
+        let mirror = sin_l * complement(dot_v) - dot_l * dot_v;
         value += specular * pow(max(mirror, 0.0), exponent) * 0.15915494;
     }
     return value;
@@ -80,7 +83,7 @@ fn far_value(fibre: Fibre, layer: u32, at: vec2f) -> vec4f {
     let f = at - vec2f(i);
     let first = fibre.table_base + (layer * fibre.table_size.y + i.y) * fibre.table_size.x + i.x;
     let next = first + fibre.table_size.x;
-    return mix(mix(far_texel(first), far_texel(first + 1u), f.x), mix(far_texel(next), far_texel(next + 1u), f.x), f.y);
+    return mix_bilinear(far_texel(first), far_texel(first + 1u), far_texel(next), far_texel(next + 1u), f);
 }
 
 // Albedo of Sadeghi's lobes at an inclination.
@@ -133,15 +136,15 @@ fn scatter_fibre(model: u32, fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, t
     if model == MODEL_KAJIYA_KAY {
         return kajiya_kay(fibre.diffuse, fibre.specular, fibre.specular_exponent, tangent, l, v) * tint;
     }
-    let sin_i = clamp(dot(tangent, l), -1.0, 1.0);
-    let sin_o = clamp(dot(tangent, v), -1.0, 1.0);
+    let sin_i = inclination_sine(tangent, l);
+    let sin_o = inclination_sine(tangent, v);
     let lp = l - sin_i * tangent;
     let vp = v - sin_o * tangent;
-    let cos_phi = clamp(dot(lp, vp) * inverseSqrt(max(dot(lp, lp) * dot(vp, vp), 1e-12)), -1.0, 1.0);
+    let cos_phi = clamp(cosine_between(lp, vp), -1.0, 1.0);
     let phi = acos(cos_phi);
-    let cos_i = sqrt(max(0.0, 1.0 - sin_i * sin_i));
+    let cos_i = complement(sin_i);
     if model >= MODEL_CHIANG {
-        let cos_o = sqrt(max(0.0, 1.0 - sin_o * sin_o));
+        let cos_o = complement(sin_o);
         return scatter_table(model, fibre, vec2f(sin_i, cos_i), vec2f(sin_o, cos_o), phi, tint);
     }
     // Single scattering R, TT, TRT plus the Kajiya-Kay diffuse term. [Sadeghi2010]

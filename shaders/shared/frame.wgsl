@@ -23,6 +23,24 @@ struct Frame {
 
 const FLAG_MARCH_JITTER: u32 = 1u;
 
+fn tile_samples() -> u32 {
+    return frame.tile_size.x * frame.tile_size.y;
+}
+
+// Sample number i of the tile, and back.
+fn tile_xy(i: u32) -> vec2u {
+    return vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+}
+
+fn tile_index(xy: vec2u) -> u32 {
+    return xy.y * frame.tile_size.x + xy.x;
+}
+
+// Unit, from a point to the eye.
+fn to_eye(x: vec3f) -> vec3f {
+    return normalize(frame.eye - x);
+}
+
 // Ray through the centre of a sample: forward component 1, so that the ray parameter is the depth z (cm).
 fn sample_ray(xy: vec2u) -> vec3f {
     let s = vec2f(frame.tile_origin + vec2i(xy)) + 0.5 + frame.jitter;

@@ -2,12 +2,7 @@
 // skin's vertices come first, then those within its edges, then those within its triangles; neighbours share them, so that
 // what is looked up is continuous. Needs: fur (uniform Fur).
 
-struct LatticeCell {
-    columns: vec3u,
-    weights: vec3f,
-    level: u32,     // lower of two
-    fraction: f32,  // towards the upper
-}
+#import shared/lattice_nodes
 
 // Number of a column: grid point k of the edge from vertex a to b, counted from a.
 fn edge_column(edge: u32, a: u32, b: u32, k: u32) -> u32 {
@@ -30,9 +25,9 @@ fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u3
 // The lattice cell of a place.
 fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     var cell: LatticeCell;
-    let height = clamp((*place).t / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
-    cell.level = min(u32(height), fur.levels - 1u);
-    cell.fraction = height - f32(cell.level);
+    let level = level_at((*place).t);
+    cell.level = level.lower;
+    cell.fraction = level.fraction;
     let inside = max((*place).lambda, vec3f(0.0));
     let lambda = inside / (inside.x + inside.y + inside.z);
     let vertices = (*place).vertices;
@@ -59,8 +54,4 @@ fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
             column_index(prism, vertices, edges, i, j + 1u), column_index(prism, vertices, edges, i + 1u, j));
     }
     return cell;
-}
-
-fn node_index(column: u32, level: u32) -> u32 {
-    return column * (fur.levels + 1u) + level;
 }

@@ -2,6 +2,9 @@
 // the neighbour table. Depth z is the ray parameter (cm along the viewing direction).
 // Needs: source (array<vec4u>), shared/volume, shared/lattice, shared/coat, frame.
 
+#import shared/halves
+#import shared/transmittance
+
 struct March {
     marching: bool,   // inside the shell
     last: bool,       // the current step ends where the ray leaves the shell
@@ -48,11 +51,11 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var sum = 0.0;
     for (var i = 0u; i < 400u; i++) {
         let state = locate(&place, x + (f32(i) + 0.5) * fur.step * l, l, 2u);
-        if state != INSIDE || place.t > 1.0 || sum > 18.0 {
+        if state != INSIDE || place.t > 1.0 || sum > TAU_BLOCKED {
             break;
         }
         if place.t < 0.0 {
-            sum = 18.0;
+            sum = TAU_BLOCKED;
             break;
         }
         sum += extinction(medium_at(&place), l) * fur.step;
@@ -71,8 +74,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         let low = source[node];
         let high = source[node + 1u];
         let w = cell.weights[k] * vec2f(1.0 - cell.fraction, cell.fraction);
-        ambient += w.x * vec4f(unpack2x16float(low.x), unpack2x16float(low.y))
-            + w.y * vec4f(unpack2x16float(high.x), unpack2x16float(high.y));
+        ambient += w.x * unpack_half4(low.xy) + w.y * unpack_half4(high.xy);
         tau += w.x * unpack2x16float(low.z) + w.y * unpack2x16float(high.z);
         albedo += w.x * unpack_albedo(low.w) + w.y * unpack_albedo(high.w);
     }
@@ -82,7 +84,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         if NESTED {
             tau[j] = nested_tau(place, x, l) * ambient.a;
         }
-        let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
+        let through = light_through(tau[j], albedo);
         sum += fur.key_irradiance[j].rgb * through * scatter_coat(m.tangent, l, view, albedo);
     }
     return vec4f(sum * coat_color(albedo), ambient.a);
@@ -102,7 +104,7 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let slope = (*place).dt_dz;
     let climbs = slope > 0.0;
     // Where a ray that climbs meets the top, one that sinks the skin.
-    let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / select(slope, 1e-12, abs(slope) < 1e-12);
+    let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / away_from_zero(slope, 1e-12);
     // Above the top is inside while the ray still comes down on it: the first step may begin there by rounding.
     let near = select(t <= 1.0 + abs(slope) * dz, t >= 0.0, climbs) && (z_out > (*m).z || (t >= 0.0 && t <= 1.0));
     let inside = found == INSIDE && near && !(*m).last;

@@ -13,3 +13,12 @@ fn octahedral_decode(e: vec2f) -> vec3f {
     v.y += select(fold, -fold, v.y >= 0.0);
     return normalize(v);
 }
+
+// A direction in a word.
+fn pack_direction(v: vec3f) -> u32 {
+    return pack2x16snorm(octahedral_encode(v));
+}
+
+fn unpack_direction(word: u32) -> vec3f {
+    return octahedral_decode(unpack2x16snorm(word));
+}

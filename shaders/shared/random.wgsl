@@ -1,5 +1,7 @@
 // Random numbers: integer hashes of stable ids, so that nothing depends on the order of threads.
 
+#import shared/angles
+
 // "lowbias32" integer hash.
 fn hash(value: u32) -> u32 {
     var x = value;
@@ -22,9 +24,22 @@ fn random(seed: u32, k: u32) -> f32 {
     return unit_float(hash2(seed, k));
 }
 
+fn random2(seed: u32, k: u32) -> vec2f {
+    return vec2f(random(seed, k), random(seed, k + 1u));
+}
+
+fn random3(seed: u32, k: u32) -> vec3f {
+    return vec3f(random(seed, k), random(seed, k + 1u), random(seed, k + 2u));
+}
+
+// The k-th of points that an additive recurrence spreads evenly over the unit square, from a start in it: the R2 sequence.
+fn r2_point(start: vec2f, k: u32) -> vec2f {
+    return fract(start + f32(k) * vec2f(0.7548777, 0.5698403));
+}
+
 // Uniform on the unit sphere.
 fn random_direction(seed: u32, k: u32) -> vec3f {
     let z = 1.0 - 2.0 * random(seed, k);
     let phi = 6.2831853 * random(seed, k + 1u);
-    return vec3f(sqrt(max(0.0, 1.0 - z * z)) * vec2f(cos(phi), sin(phi)), z);
+    return vec3f(complement(z) * vec2f(cos(phi), sin(phi)), z);
 }

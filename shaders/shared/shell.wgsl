@@ -1,6 +1,8 @@
 // The prism shell: coordinates, subelement index, neighbour hops.
 // Needs: shell_vertices (array<ShellVertex>), prisms (array<Prism>), fur (uniform Fur).
 
+#import shared/arithmetic
+#import shared/barycentric
 #import shared/shell_types
 
 const NONE: u32 = 0xffffffffu;
@@ -40,6 +42,38 @@ fn enter_prism(place: ptr<function, Place>, index: u32) {
     (*place).subdivision = prism.subdivision;
 }
 
+// The skin's point at barycentric coordinates of the place's prism, and the vector from there to the shell's top.
+fn skin_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
+    return (*place).p0 + lambda.y * (*place).e1 + lambda.z * (*place).e2;
+}
+
+fn extrusion_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
+    return (*place).v0 + lambda.y * (*place).w1 + lambda.z * (*place).w2;
+}
+
+// The same at the place's own.
+fn extrusion(place: ptr<function, Place>) -> vec3f {
+    return extrusion_at(place, (*place).lambda);
+}
+
+// The triangle that the prism cuts out of the layer at height t.
+struct Layer {
+    e1: vec3f,
+    e2: vec3f,
+    n: vec3f,   // cross product of the edges
+}
+
+fn layer_at(place: ptr<function, Place>, t: f32) -> Layer {
+    let e1 = (*place).e1 + t * (*place).w1;
+    let e2 = (*place).e2 + t * (*place).w2;
+    return Layer(e1, e2, cross(e1, e2));
+}
+
+// Derivative of F, the volume that `solve` makes zero, with respect to t. `a`: from corner 0 of the layer to x.
+fn volume_slope(place: ptr<function, Place>, layer: Layer, a: vec3f) -> f32 {
+    return dot(a, cross((*place).w1, layer.e2) + cross(layer.e1, (*place).w2)) - dot((*place).v0, layer.n);
+}
+
 // Exact inverse of x(t, lambda) = sum lambda_k (p_k + t v_k): Newton on the cubic F(t) = a . (b x c), from the t in
 // `place`. DEVIATION: [Andersen2016] sec. 3.2 takes t from distances to the prism's top, which disagrees between
 // neighbours and shows seams. `ray` is the direction for dt_dz.
@@ -47,23 +81,16 @@ fn solve(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) {
     var t = (*place).t;
     for (var i = 0u; i < iterations; i++) {
         let a = x - (*place).p0 - t * (*place).v0;
-        let b = (*place).e1 + t * (*place).w1;
-        let c = (*place).e2 + t * (*place).w2;
-        let n = cross(b, c);
-        let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
-        t = clamp(t - dot(a, n) / select(slope, -1e-12, abs(slope) < 1e-12), -0.5, 1.5 * fur.light_reach);
+        let layer = layer_at(place, t);
+        let slope = volume_slope(place, layer, a);
+        t = clamp(t - dot(a, layer.n) / away_from_zero(slope, -1e-12), -0.5, 1.5 * fur.light_reach);
     }
     let a = x - (*place).p0 - t * (*place).v0;
-    let b = (*place).e1 + t * (*place).w1;
-    let c = (*place).e2 + t * (*place).w2;
-    let n = cross(b, c);
-    let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
-    let inverse = 1.0 / max(dot(n, n), 1e-30);
-    let l1 = dot(cross(a, c), n) * inverse;
-    let l2 = dot(cross(b, a), n) * inverse;
+    let layer = layer_at(place, t);
+    let slope = volume_slope(place, layer, a);
     (*place).t = t;
-    (*place).lambda = vec3f(1.0 - l1 - l2, l1, l2);
-    (*place).dt_dz = -dot(ray, n) / select(slope, -1e-12, abs(slope) < 1e-12);
+    (*place).lambda = barycentric_at(a, layer.e1, layer.e2, layer.n, 1.0 / max(dot(layer.n, layer.n), 1e-30));
+    (*place).dt_dz = -dot(ray, layer.n) / away_from_zero(slope, -1e-12);
 }
 
 const INSIDE: u32 = 0u;
@@ -124,6 +151,6 @@ fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
 // another area, and the area across them is smaller than that of the layer where they lean.
 fn crowding(place: ptr<function, Place>, t: f32, tangent: vec3f) -> f32 {
     let skin = length(cross((*place).e1, (*place).e2));
-    let layer = cross((*place).e1 + t * (*place).w1, (*place).e2 + t * (*place).w2);
+    let layer = layer_at(place, t).n;
     return skin / max(dot(layer, tangent), 0.3 * max(length(layer), skin * 0.1));
 }

@@ -1,7 +1,11 @@
 // Multiple scattering in the coat, from the tables of src/transport.rs as textures: `field_table` holds radiance in four zones by the
 // cosine to a light and the optical depth towards it, `sent_table` what undercoat sends to a view and what falls on guard hairs by the same, `response_table` what
 // single hairs send on, a kind a row; a layer for each brightness of hair, and in it for each cosine of the view. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
-// Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
+// Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped).
+
+#import shared/angles
+#import shared/arithmetic
+#import shared/transmittance
 
 // How light scattered by more than one hair is found, fixed when a kernel is compiled.
 override MULTIPLE: u32 = 0u;
@@ -23,8 +27,13 @@ fn table_coordinate(x: f32, count: u32) -> f32 {
 fn tint_layers(tint: f32) -> vec2f {
     let last = f32(textureNumLayers(response_table) - 1u);
     let at = clamp(1.0 - sqrt(max(1.0 - tint, 0.0)), 0.0, 1.0) * last;
-    let layer = min(floor(at), last - 1.0);
-    return vec2f(layer, at - layer);
+    return lower_entry(at, last);
+}
+
+// A table between two of its layers.
+fn between_layers(table: texture_2d_array<f32>, at: vec2f, layer: i32, weight: f32) -> vec4f {
+    return mix(textureSampleLevel(table, table_sampler, at, layer, 0.0),
+        textureSampleLevel(table, table_sampler, at, layer + 1, 0.0), weight);
 }
 
 // Entry of a row, or between this and the next, for hair of one colour at `x` (0..1).
@@ -32,8 +41,7 @@ fn response_entry(row: f32, tint: f32, x: f32) -> vec4f {
     let size = textureDimensions(response_table);
     let at = vec2f(table_coordinate(x, size.x), (row + 0.5) / f32(size.y));
     let t = tint_layers(tint);
-    return mix(textureSampleLevel(response_table, table_sampler, at, i32(t.x), 0.0),
-        textureSampleLevel(response_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
+    return between_layers(response_table, at, i32(t.x), t.y);
 }
 
 fn table_head(k: i32) -> vec4f {
@@ -48,8 +56,7 @@ fn light_coordinates(size: vec2u, tau: f32, mu: f32, color: u32) -> vec2f {
 
 fn field_entry(tint: f32, at: vec2f) -> vec4f {
     let t = tint_layers(tint);
-    return mix(textureSampleLevel(field_table, table_sampler, at, i32(t.x), 0.0),
-        textureSampleLevel(field_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
+    return between_layers(field_table, at, i32(t.x), t.y);
 }
 
 // Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal, for an irradiance of 1.
@@ -66,8 +73,7 @@ fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> vec3f {
     var sum = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let layer = i32((t.x + f32(k)) * views + view.x);
-        let of_tint = mix(textureSampleLevel(sent_table, table_sampler, at, layer, 0.0).xyz,
-            textureSampleLevel(sent_table, table_sampler, at, layer + 1, 0.0).xyz, view.y);
+        let of_tint = between_layers(sent_table, at, layer, view.y).xyz;
         sum += of_tint * select(t.y, 1.0 - t.y, k == 0u);
     }
     return sum;
@@ -79,8 +85,7 @@ fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> vec3f {
 fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f {
     let size = textureDimensions(sent_table);
     let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
-    let layer = min(floor(x), f32(size.x - 2u));
-    let view = vec2f(layer, x - layer);
+    let view = lower_entry(x, f32(size.x - 1u));
     return transpose(mat3x3f(sent_entry(tint.r, light_coordinates(size, tau, mu_light, 0u), view),
         sent_entry(tint.g, light_coordinates(size, tau, mu_light, 1u), view),
         sent_entry(tint.b, light_coordinates(size, tau, mu_light, 2u), view)));
@@ -99,16 +104,16 @@ fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above
     let side = select(-1.0, 1.0, along >= 0.0);
     let across = view - sin_o * tangent;
     let up = side * (normal - along * tangent);
-    let cos_azimuth = dot(across, up) * inverseSqrt(max(dot(across, across) * dot(up, up), 1e-12));
+    let cos_azimuth = cosine_between(across, up);
     let last = f32(TILTS - 1);
     let tilt = acos(min(abs(along), 1.0)) / 1.5707963 * last;
     let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / 3.1415927 * last;
-    let low = min(floor(azimuth), last - 1.0);
-    let row = f32(ROW_GUARD) + low * f32(TILTS) + tilt;
+    let lower = lower_entry(azimuth, last);
+    let row = f32(ROW_GUARD) + lower.x * f32(TILTS) + tilt;
     var radiance = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
         let entry = mix(response_entry(row, tint[c], 0.5 * sin_o + 0.5),
-            response_entry(row + f32(TILTS), tint[c], 0.5 * sin_o + 0.5), azimuth - low);
+            response_entry(row + f32(TILTS), tint[c], 0.5 * sin_o + 0.5), lower.y);
         let light = select(vec2f(below[c], above[c]), vec2f(above[c], below[c]), side > 0.0);
         radiance[c] = dot(entry.xy, light);
     }

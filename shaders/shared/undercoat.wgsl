@@ -1,6 +1,7 @@
 // The undercoat's medium: density and tangent of a subelement.
 // Needs: fur (uniform Fur); shared/octahedral.
 
+#import shared/angles
 #import shared/undercoat_types
 
 struct Medium {
@@ -21,13 +22,17 @@ fn unpack_medium(word: u32) -> Medium {
     return Medium(f32(word & 4095u) / 4095.0 * DENSITY_RANGE, octahedral_decode(oct * 2.0 - 1.0));
 }
 
-// Sine of the angle between two unit vectors.
-fn sine(a: vec3f, b: vec3f) -> f32 {
-    let c = dot(a, b);
-    return sqrt(max(0.0, 1.0 - c * c));
+// Mean direction of the hairs at height t (in shell heights) over a skin with this normal: they lean more towards the top.
+fn mean_tangent(normal: vec3f, t: f32) -> vec3f {
+    return normalize(normal + fur.lean * t);
+}
+
+// Part of its area that a hair shows towards unit direction `w`. Without regard to the angle, the mean over all directions.
+fn shown_part(tangent: vec3f, w: vec3f) -> f32 {
+    return select(sine_between(tangent, w), 0.7853982, fur.isotropic == 1u);
 }
 
 // Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
 fn extinction(m: Medium, w: vec3f) -> f32 {
-    return fur.extinction * m.density * select(sine(m.tangent, w), 0.7853982, fur.isotropic == 1u);
+    return fur.extinction * m.density * shown_part(m.tangent, w);
 }
