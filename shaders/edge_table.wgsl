@@ -13,10 +13,9 @@ struct Counts {
 @group(0) @binding(4) var<storage, read_write> owners: array<atomic<u32>>; // edges that have the slot's key
 @group(0) @binding(5) var<storage, read_write> neighbours: array<u32>;
 
+#import shared/constants
 #import shared/random
 #import shared/index
-
-const NONE: u32 = 0xffffffffu;
 
 // Directed edge opposite corner k of a triangle: from corner k + 1 to corner k + 2.
 fn edge_key(edge: u32) -> vec2u {

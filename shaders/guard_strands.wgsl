@@ -10,6 +10,7 @@
 @group(0) @binding(7) var<storage, read> roots: array<Root>;
 @group(0) @binding(8) var<storage, read_write> strand_vertices: array<vec4f>; // xyz cm; w: radius (cm) and opacity as halves
 
+#import shared/constants
 #import shared/index
 #import shared/random
 #import shared/shell_types
@@ -64,7 +65,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
     let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
     let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
-    let phi = 6.2831853 * random(seed, 2u);
+    let phi = TAU * random(seed, 2u);
     let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);
     let leg = length_cm / 3.0;
     let legs = leg_directions(n, lean, groom.gravity);
@@ -78,17 +79,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let curl = scalar(GUARD_CURL, at);
     let frizz = scalar(GUARD_FRIZZ, at);
-    let curl_phase = 6.2831853 * random(seed, 3u);
-    let frizz_phase = 6.2831853 * random2(seed, 4u);
+    let curl_phase = TAU * random(seed, 3u);
+    let frizz_phase = TAU * random2(seed, 4u);
     let thickness = scalar(GUARD_THICKNESS, at);
     let segments = groom.segments;
     for (var k = 0u; k <= segments; k++) {
         let s = f32(k) / f32(segments);
         var p = bezier(polygon, s);
         p += pull * s * s;
-        let turn = curl_phase + 6.2831853 * groom.curl_frequency * length_cm * s;
+        let turn = curl_phase + TAU * groom.curl_frequency * length_cm * s;
         p += curl * s * ((cos(turn) - cos(curl_phase)) * side + (sin(turn) - sin(curl_phase)) * other);
-        let wave = frizz_phase + 6.2831853 * groom.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
+        let wave = frizz_phase + TAU * groom.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
         p += frizz * s * (sin(wave.x) * side + sin(wave.y) * other);
         let opacity = groom.opacity * exp(-groom.tip_fade * s);
         let radius = 0.5 * thickness * diameter(s);

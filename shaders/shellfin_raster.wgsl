@@ -11,7 +11,7 @@ struct FurCorner {
 struct FinEdge {
     a: u32,
     b: u32,
-    opposite: vec2u, // third vertices of the faces at the edge; the second is NO_LAYER at a border
+    opposite: vec2u, // third vertices of the faces at the edge; the second is NONE at a border
 }
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;
@@ -35,6 +35,7 @@ struct FinEdge {
 @group(0) @binding(19) var<storage, read> vertex_uv: array<vec2f>;
 @group(0) @binding(20) var<storage, read> outlines: array<vec2f>; // of patches, OUTLINE points each, cm
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/random
@@ -131,8 +132,8 @@ fn layer_texel(texture: texture_2d_array<f32>, row: ShellRow, uv: vec2f) -> vec4
     if !DETAIL {
         return fine;
     }
-    let coarse = textureSample(texture, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
-    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
+    let coarse = textureSample(texture, repeating, uv, select(row.coarse, row.fine, row.coarse == NONE));
+    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NONE), row.blend);
 }
 
 // Shadow between hairs: what the texture covers more a little way towards the light lies as black under the layer.
@@ -160,7 +161,7 @@ fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
 // [Praun2000]
 fn in_outline(p: vec2f, patch_index: u32) -> bool {
     let points = max(OUTLINE, 1u);
-    let turn = atan2(p.y, p.x) / 6.2831853;
+    let turn = atan2(p.y, p.x) / TAU;
     let k = min(u32(fract(turn) * f32(points)), points - 1u);
     let a = outlines[patch_index * points + k];
     let b = outlines[patch_index * points + (k + 1u) % points];
@@ -227,7 +228,7 @@ fn fin_fade(edge: FinEdge) -> f32 {
     let view = to_eye(0.5 * (a + b));
     let n1 = normalize(cross(b - a, shell_vertices[edge.opposite.x].position - a));
     var n2 = n1;
-    if edge.opposite.y != NO_LAYER {
+    if edge.opposite.y != NONE {
         n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
     }
     // [Lengyel2001] sec. 4.2; DEVIATION: with the normals along which the fur stands instead of those of the two faces, or every dent
@@ -241,7 +242,7 @@ fn fin_fade(edge: FinEdge) -> f32 {
     let c1 = dot(n1, view);
     let c2 = dot(n2, view);
     let nearest = min(abs(c1), abs(c2));
-    let on = c1 * c2 < 0.0 || edge.opposite.y == NO_LAYER;
+    let on = c1 * c2 < 0.0 || edge.opposite.y == NONE;
     if shellfin.fade == 1u {
         return select(0.0, 1.0, on || nearest < shellfin.fin_threshold);
     }

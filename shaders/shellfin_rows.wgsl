@@ -32,6 +32,7 @@ struct LightingTable {
 // Last: Mesa 22.3's software adapter writes past a table where a branch depends on the eighth uniform buffer.
 @group(0) @binding(15) var<uniform> lighting_table: LightingTable;
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
@@ -163,7 +164,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 // The hairs that a row stands for lean a little every way.
                 let through = lights.lights[j].irradiance * light_through(depth, row.guard);
                 for (var k = 0u; k < 4u; k++) {
-                    let turn = 0.7853982 + 1.5707963 * f32(k);
+                    let turn = FRAC_PI_4 + FRAC_PI_2 * f32(k);
                     let t = normalize(tangent - 1.25 * shellfin.spread * side_at(sides, turn));
                     guard += 0.25 * through * scatter_guard(t, l, view, row.guard, MEAN_GLINT);
                 }

@@ -15,6 +15,7 @@ struct Sweep {
 @group(0) @binding(7) var<storage, read> lattice_extinction: array<u32>;
 @group(0) @binding(8) var<storage, read_write> tau: array<u32>; // pairs of halves
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
@@ -38,7 +39,7 @@ fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
     }
     let normal = normalize(extrusion(place));
     let tangent = mean_tangent(normal, min((*place).t, 1.0));
-    return sum.x * shown_part(tangent, w) + sum.y * 0.7853982; // pi/4: the mean sine
+    return sum.x * shown_part(tangent, w) + sum.y * FRAC_PI_4; // pi/4: the mean sine
 }
 
 // Optical depth from x in the place towards w, followed to the end.

@@ -15,6 +15,7 @@
 @group(0) @binding(12) var sent_table: texture_2d_array<f32>;
 @group(0) @binding(13) var response_table: texture_2d_array<f32>;
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
@@ -97,7 +98,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             radiance += lights.lights[j].irradiance * facing * light_through(node_tau(node, j), albedo);
         }
         radiance += field_irradiance(field);
-        radiance *= unpack_albedo(columns[column].color_base) * 0.31830989;
+        radiance *= unpack_albedo(columns[column].color_base) * FRAC_1_PI;
         base_light[column] = pack_half4(vec4f(radiance, 0.0));
     }
 }

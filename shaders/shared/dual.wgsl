@@ -2,9 +2,10 @@
 // Needs: shared/transport.
 
 #import shared/angles
+#import shared/constants
 
 fn unit_area_gaussian(x: f32, variance: f32) -> f32 {
-    return exp(-0.5 * x * x / variance) * inverseSqrt(6.2831853 * variance);
+    return exp(-0.5 * x * x / variance) * inverseSqrt(TAU * variance);
 }
 
 // Light scattered more than once from l to v by a hair with the optical depth `tau` towards l, for an irradiance of 1; the cosine of
@@ -27,8 +28,8 @@ fn dual_scatter(row: i32, tint: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: 
         let near = 2.0 * shares.z * unit_area_gaussian(turn - shares.w, lobes.z);
         let far = 2.0 * shares.z * unit_area_gaussian(turn - shares.w, lobes.z + spread);
         let around = shares.y * unit_area_gaussian(turn - lobes.w, lobes.y + spread);
-        sum[c] = direct * density.y * near + forward * (around + 3.1415927 * density.y * far);
+        sum[c] = direct * density.y * near + forward * (around + PI * density.y * far);
     }
     let cos_d = cos(theta_d);
-    return max(0.0, cos(theta_i)) * sum / (3.1415927 * max(cos_d * cos_d, 0.05));
+    return max(0.0, cos(theta_i)) * sum / (PI * max(cos_d * cos_d, 0.05));
 }

@@ -5,6 +5,7 @@
 
 #import shared/angles
 #import shared/arithmetic
+#import shared/constants
 
 struct Fibre {
     intensity: vec3f,       // Sadeghi: R, TT, TRT
@@ -45,11 +46,11 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
 fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
     let dot_l = dot(tangent, l);
     let sin_l = complement(dot_l);
-    var value = diffuse * 0.10132118 * sin_l;
+    var value = diffuse * FRAC_1_PI_SQUARED * sin_l;
     if specular > 0.0 {
         let dot_v = dot(tangent, v);
         let mirror = sin_l * complement(dot_v) - dot_l * dot_v;
-        value += specular * pow(max(mirror, 0.0), exponent) * 0.15915494;
+        value += specular * pow(max(mirror, 0.0), exponent) * FRAC_1_TAU;
     }
     return value;
 }
@@ -88,7 +89,7 @@ fn far_value(fibre: Fibre, layer: u32, at: vec2f) -> vec4f {
 
 // Albedo of Sadeghi's lobes at an inclination.
 fn lobe_albedo(fibre: Fibre, theta: f32) -> vec3f {
-    let x = (theta * 0.31830989 + 0.5) * f32(fibre.table_size.x - 1u);
+    let x = (theta * FRAC_1_PI + 0.5) * f32(fibre.table_size.x - 1u);
     let i = min(u32(max(x, 0.0)), fibre.table_size.x - 2u);
     return mix(far_texel(fibre.table_base + i), far_texel(fibre.table_base + i + 1u), x - f32(i)).xyz;
 }
@@ -98,8 +99,8 @@ fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: v
     let size = vec2f(fibre.table_size.xy) - 1.0;
     let medulla = model == MODEL_MEDULLA;
     let layers = fibre.table_size.z - select(0u, 1u, medulla);
-    let y = asin(min(abs(o.x), 1.0)) * 0.63661977 * size.y;
-    let at = vec2f(phi * 0.31830989 * size.x, y);
+    let y = asin(min(abs(o.x), 1.0)) * FRAC_2_PI * size.y;
+    let at = vec2f(phi * FRAC_1_PI * size.x, y);
     var m = vec4f(0.0, longitudinal(i, turned(fibre, 1u, o), fibre.variance.y),
         longitudinal(i, turned(fibre, 2u, o), fibre.variance.z), 0.0);
     if medulla {
@@ -156,12 +157,12 @@ fn scatter_fibre(model: u32, fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, t
     let m_tt = unit_gaussian(half_sum - fibre.shift.y, fibre.width.y);
     let m_trt = unit_gaussian(half_sum - fibre.shift.z, fibre.width.z);
     let n_r = cos(0.5 * phi);
-    let n_tt = unit_gaussian(3.1415927 - phi, fibre.azimuth_tt);
+    let n_tt = unit_gaussian(PI - phi, fibre.azimuth_tt);
     let n_g = fibre.glint * unit_gaussian(glint_angle - phi, fibre.glint_width);
     let single = fibre.intensity.x * m_r * n_r
         + fibre.intensity.y * m_tt * n_tt * tint
         + fibre.intensity.z * m_trt * (n_r + n_g) * tint * tint;
-    let scattered = cos_i * (single / max(cos_d * cos_d, 0.05) + fibre.diffuse * 0.10132118 * tint);
+    let scattered = cos_i * (single / max(cos_d * cos_d, 0.05) + fibre.diffuse * FRAC_1_PI_SQUARED * tint);
     if model == MODEL_SADEGHI_NORMALISED {
         let of_i = lobe_albedo(fibre, theta_i);
         let of_o = lobe_albedo(fibre, theta_o);

@@ -1,6 +1,7 @@
 // Random numbers: integer hashes of stable ids, so that nothing depends on the order of threads.
 
 #import shared/angles
+#import shared/constants
 
 // "lowbias32" integer hash.
 fn hash(value: u32) -> u32 {
@@ -40,6 +41,6 @@ fn r2_point(start: vec2f, k: u32) -> vec2f {
 // Uniform on the unit sphere.
 fn random_direction(seed: u32, k: u32) -> vec3f {
     let z = 1.0 - 2.0 * random(seed, k);
-    let phi = 6.2831853 * random(seed, k + 1u);
+    let phi = TAU * random(seed, k + 1u);
     return vec3f(complement(z) * vec2f(cos(phi), sin(phi)), z);
 }

@@ -3,9 +3,9 @@
 
 #import shared/arithmetic
 #import shared/barycentric
+#import shared/constants
 #import shared/shell_types
 
-const NONE: u32 = 0xffffffffu;
 const HOP_LIMIT: u32 = 16u;
 
 // A point's place in the shell and the geometry of the prism that it is in.

@@ -1,5 +1,7 @@
 // What the prism shell is made of.
 
+#import shared/constants
+
 struct ShellVertex {
     position: vec3f,  // on the skin, world, cm
     height: f32,      // of the undercoat's shell, cm

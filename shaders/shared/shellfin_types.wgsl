@@ -1,5 +1,7 @@
 // Shells and fins: what is drawn, and where the rows of vertices above the skin lie.
 
+#import shared/constants
+
 struct Shellfin {
     comb: vec3f,             // over the whole skin, tangent of the lean, world
     shells: u32,             // rows that are shells; the fins' rows follow
@@ -37,5 +39,3 @@ struct ShellRow {
     share: f32,      // of it, guard hair
     padding: vec2u,
 }
-
-const NO_LAYER: u32 = 0xffffffffu;

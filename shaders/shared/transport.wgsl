@@ -5,6 +5,7 @@
 
 #import shared/angles
 #import shared/arithmetic
+#import shared/constants
 #import shared/transmittance
 
 // How light scattered by more than one hair is found, fixed when a kernel is compiled.
@@ -93,7 +94,7 @@ fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f 
 
 // What falls on the skin.
 fn field_irradiance(field: mat3x4f) -> vec3f {
-    return 6.2831853 * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
+    return TAU * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
 }
 
 // Radiance that a guard hair sends to `view` where this radiance comes from above the horizon of `normal` and from below.
@@ -106,8 +107,8 @@ fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above
     let up = side * (normal - along * tangent);
     let cos_azimuth = cosine_between(across, up);
     let last = f32(TILTS - 1);
-    let tilt = acos(min(abs(along), 1.0)) / 1.5707963 * last;
-    let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / 3.1415927 * last;
+    let tilt = acos(min(abs(along), 1.0)) / FRAC_PI_2 * last;
+    let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / PI * last;
     let lower = lower_entry(azimuth, last);
     let row = f32(ROW_GUARD) + lower.x * f32(TILTS) + tilt;
     var radiance = vec3f(0.0);

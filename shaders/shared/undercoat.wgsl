@@ -2,6 +2,7 @@
 // Needs: fur (uniform Fur); shared/octahedral.
 
 #import shared/angles
+#import shared/constants
 #import shared/undercoat_types
 
 struct Medium {
@@ -29,7 +30,7 @@ fn mean_tangent(normal: vec3f, t: f32) -> vec3f {
 
 // Part of its area that a hair shows towards unit direction `w`. Without regard to the angle, the mean over all directions.
 fn shown_part(tangent: vec3f, w: vec3f) -> f32 {
-    return select(sine_between(tangent, w), 0.7853982, fur.isotropic == 1u);
+    return select(sine_between(tangent, w), FRAC_PI_4, fur.isotropic == 1u);
 }
 
 // Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).

@@ -38,6 +38,7 @@ sources![
     "shared/coat",
     "shared/column",
     "shared/column_place",
+    "shared/constants",
     "shared/coverage",
     "shared/dual",
     "shared/fibre",
