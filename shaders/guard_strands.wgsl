@@ -19,7 +19,7 @@
 #import shared/strands
 #import shared/strand_curve
 
-// Nearest of the clump centres, one in each cell of a jittered grid. Distance vector from p.
+// Nearest of the clump centres, one in each cell of a jittered grid. Distance vector from p. [Worley1996]
 fn to_clump(p: vec3f) -> vec3f {
     let size = inverseSqrt(max(groom.clump_density, 1e-6));
     let cell = vec3i(floor(p / size));
@@ -64,6 +64,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
     let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
+    // Normally distributed along both sides. [BoxMuller1958]
     let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
     let phi = TAU * random(seed, 2u);
     let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);

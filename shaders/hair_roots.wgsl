@@ -1,5 +1,5 @@
-// Step 1: hair roots, after Van Gelder and Wilhelms 1997 with a density map, [Andersen2016] sec. 3. Each triangle draws its own
-// number and places from its id, so that the result does not depend on the order of threads.
+// Step 1: hair roots with a density map, [VanGelderWilhelms1997], [Andersen2016] sec. 3. Each triangle draws its own number and
+// places from its id, so that the result does not depend on the order of threads.
 
 struct Batch {
     first: u32,      // triangle
@@ -36,7 +36,7 @@ fn candidates(prism: u32) -> u32 {
 fn candidate(prism: u32, k: u32) -> vec3f {
     let seed = hash2(batch.seed, prism);
     let u = r2_point(random2(seed, 1u), k);
-    let r = sqrt(u.x);
+    let r = sqrt(u.x); // [Turk1990]
     return vec3f(1.0 - r, r * (1.0 - u.y), r * u.y);
 }
 

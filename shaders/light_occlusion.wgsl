@@ -24,6 +24,7 @@ struct BvhNode {
 #import shared/column_place
 #import shared/lights
 
+// The slabs of a box. [KayKajiya1986]
 fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
     let a = (bvh_nodes[node].low - origin) * inverse;
     let b = (bvh_nodes[node].high - origin) * inverse;
@@ -32,6 +33,7 @@ fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
     return min(far.x, min(far.y, far.z)) >= max(0.0, max(near.x, max(near.y, near.z)));
 }
 
+// [MollerTrumbore1997]
 fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     let v = prisms[triangle].vertices;
     let p0 = shell_vertices[v.x].position;

@@ -67,7 +67,7 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     }
 }
 
-// Puts a fragment behind what is gathered; returns the radiance that it adds.
+// Puts a fragment behind what is gathered; returns the radiance that it adds. [PorterDuff1984]
 fn put_behind(g: ptr<function, Gathered>, color: vec4f, z: f32) -> vec3f {
     let added = (*g).through * color.rgb;
     (*g).z_sum += (*g).through * color.a * z;
@@ -147,7 +147,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 let z_to = clamp(z_node, march.z, march.z_end);
                 let length = z_to - max(march.z, skip_to);
                 if length > 0.0 {
-                    let rest = exp(-march.sigma * length);
+                    let rest = exp(-march.sigma * length); // [Max1995]
                     put_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
                 }
                 march.z = z_to;

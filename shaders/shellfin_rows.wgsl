@@ -12,7 +12,7 @@ struct Brush {
 }
 
 struct LightingTable {
-    values: array<vec4f, 256>, // 32 x 32, four a vector: u = T.L along, v = T.H upwards
+    values: array<vec4f, 256>, // 32 x 32, four a vector: u = T.L along, v = T.H upwards; [Banks1994]
 }
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;

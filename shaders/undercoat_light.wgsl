@@ -1,6 +1,6 @@
 // Step 2: optical depth from every node of the light lattice to every light, and to the eye, instead of a nested march at every step of
 // the eye's ray. Undercoat and guard hairs count alike. Level by level from the top: a ray that climbs is followed to the next
-// level and takes the rest from there; one that does not is followed to its end.
+// level and takes the rest from there; one that does not is followed to its end. Cf. [YukselKeyser2008]
 
 struct Sweep {
     level: u32,

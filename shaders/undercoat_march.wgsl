@@ -93,7 +93,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             // The part of the step, cut where a virtual fragment is full: fragments of equal opacity, so that none is spent
             // where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a fixed number of steps.
             var z = z0;
-            let rest = exp(-march.sigma * (z1 - z0));
+            let rest = exp(-march.sigma * (z1 - z0)); // [Max1995]
             let through_end = through * rest;
             while z < z1 {
                 var z_next = z1;

@@ -55,7 +55,7 @@ fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec
     return value;
 }
 
-// I0(x) e^-x, the modified Bessel function of the first kind without its growth; x >= 0.
+// I0(x) e^-x, the modified Bessel function of the first kind without its growth; x >= 0. [AbramowitzStegun1964] 9.8.1 and 9.8.2
 fn bessel_i0e(x: f32) -> f32 {
     let t = x / 3.75;
     let s = t * t;

@@ -55,7 +55,7 @@ fn bilinear(parameter: u32, uv: vec2f) -> vec4f {
         texel(parameter, x, y + 1), texel(parameter, x + 1, y + 1), f);
 }
 
-// For skins without uv: three planar lookups, one repeat in 10 cm, weighted by the normal.
+// For skins without uv: three planar lookups, one repeat in 10 cm, weighted by the normal. [Geiss2007]
 fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     let n2 = normal * normal;
     let w = n2 * n2 / dot(n2, n2);

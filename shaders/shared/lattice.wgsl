@@ -1,6 +1,6 @@
 // The light lattice: nodes on a triangular grid over each skin triangle, `levels + 1` of them above one another (a column). Columns at the
 // skin's vertices come first, then those within its edges, then those within its triangles; neighbours share them, so that
-// what is looked up is continuous. Needs: fur (uniform Fur).
+// what is looked up is continuous. Cf. deep opacity maps, [YukselKeyser2008]. Needs: fur (uniform Fur).
 
 #import shared/lattice_nodes
 

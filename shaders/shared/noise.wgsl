@@ -1,4 +1,5 @@
 // Simplex noise with the permutation and gradients of the `noise` crate, which is its oracle. Range -1..1.
+// [Perlin2001], [Gustavson2005]
 // Needs: noise (uniform Noise).
 
 struct Noise {

@@ -1,4 +1,4 @@
-// Unit vectors in the octahedral map, -1..1 in both coordinates.
+// Unit vectors in the octahedral map, -1..1 in both coordinates. [Meyer2010], [Cigolle2014]
 
 fn octahedral_encode(v: vec3f) -> vec2f {
     let p = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));

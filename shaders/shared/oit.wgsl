@@ -1,6 +1,6 @@
 // Per-sample linked lists of fragments in one buffer: word 0 counts the nodes, then one head a sample, then the nodes.
 // A head or link of 0 ends a list, so that a cleared buffer is valid. A node that finds no room is counted, not stored:
-// the counter then exceeds the capacity and the tile is rendered again in smaller parts. After [Andersen2016] sec. 4.
+// the counter then exceeds the capacity and the tile is rendered again in smaller parts. [Yang2010], [Andersen2016] sec. 4
 
 const NODE_WORDS: u32 = 5u;
 const KIND_STRAND: u32 = 0u;

@@ -1,5 +1,5 @@
 // Length of a ray's first step in steps: against rings of equal march depth each sample starts elsewhere. Interleaved gradient
-// noise spreads the phases evenly over neighbouring samples; it depends on the sample's place alone.
+// noise spreads the phases evenly over neighbouring samples; it depends on the sample's place alone. [Jimenez2014]
 
 fn first_phase(xy: vec2u) -> f32 {
     if (frame.flags & FLAG_MARCH_JITTER) == 0u {

@@ -3,7 +3,7 @@
 #import shared/angles
 #import shared/constants
 
-// "lowbias32" integer hash.
+// "lowbias32" integer hash. [Wellons2018]
 fn hash(value: u32) -> u32 {
     var x = value;
     x = (x ^ (x >> 16u)) * 0x7feb352du;
@@ -33,7 +33,8 @@ fn random3(seed: u32, k: u32) -> vec3f {
     return vec3f(random(seed, k), random(seed, k + 1u), random(seed, k + 2u));
 }
 
-// The k-th of points that an additive recurrence spreads evenly over the unit square, from a start in it: the R2 sequence.
+// The k-th of points that an additive recurrence spreads evenly over the unit square, from a start in it:
+// the R2 sequence. [Roberts2018]
 fn r2_point(start: vec2f, k: u32) -> vec2f {
     return fract(start + f32(k) * vec2f(0.7548777, 0.5698403));
 }
