@@ -1,4 +1,8 @@
-// Film samples to pixels: a separable reconstruction filter over the sample grid, summed in a fixed order.
+// Step 7: film samples to pixels, by a separable reconstruction filter over the sample grid. The
+// sum runs in a fixed order, so that the result does not depend on threads.
+// In: `samples` (shared/film_sample), the filter's weights. Out: `pixels`, plane by plane: linear
+// RGB and alpha; guard hairs, undercoat, skin; normal; transmittance; fragments; depth (cm) times
+// opacity, and opacity.
 
 struct Reconstruction {
     origin: vec2i,          // first pixel of the tile, relative to the tile's first sample
@@ -6,11 +10,11 @@ struct Reconstruction {
     grid: u32,              // samples along a pixel's edge
     reach: i32,             // samples on either side of a pixel's first sample
     taps: u32,
-    planes: u32,            // 4, or all
-    accumulate: u32,        // 1: add to what is there
+    planes: u32,            // how many are written: 4 or all 20
+    accumulate: u32,        // 1: adds to the pixels
     scale: f32,
     padding: vec2u,
-    weights: array<vec4f, 32>, // taps, four a vector
+    weights: array<vec4f, 32>, // taps, four per vector
 }
 
 @group(0) @binding(1) var<uniform> reconstruction: Reconstruction;
@@ -65,8 +69,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
     }
     let all = guard + undercoat + base;
-    var values = array<f32, 20>(all.r, all.g, all.b, 1.0 - through, guard.r, guard.g, guard.b, undercoat.r, undercoat.g, undercoat.b,
-        base.r, base.g, base.b, normal.x, normal.y, normal.z, through, fragments, z_sum, z_weight);
+    var values = array<f32, 20>(all.r, all.g, all.b, 1.0 - through, guard.r, guard.g, guard.b,
+        undercoat.r, undercoat.g, undercoat.b, base.r, base.g, base.b, normal.x, normal.y, normal.z,
+        through, fragments, z_sum, z_weight);
     for (var p = 0u; p < reconstruction.planes; p++) {
         let at = p * count + i;
         let before = select(0.0, pixels[at], reconstruction.accumulate == 1u);

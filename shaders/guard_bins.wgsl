@@ -1,13 +1,15 @@
-// Step 6: which strands touch which tile, so that a small tile costs no pass over all strands. `count` sizes the bins, `fill` writes them;
-// the order within a bin does not matter. Where the strands do not fit the budget, `gather` picks the roots whose strands may touch one
-// tile, and only those are grown.
+// Step 6: which strands touch which tile, so that a small tile needs no pass over all strands.
+// `count` sizes the bins and `fill` writes them; the order within a bin does not matter. Where the
+// strands exceed the memory budget, `gather` picks the roots whose strands may touch one tile, and
+// only those are grown.
+// In: `strand_vertices` (cm) or `roots`. Out: `bin_counts`, `bins`, `tile_roots`.
 
 struct Tiles {
     origin: vec2i,   // of the grid, samples
     size: vec2u,     // of a tile, samples
     grid: vec2u,     // tiles
-    margin: f32,     // samples that a tile reaches over its edge
-    length: f32,     // of the longest strand with everything that bends it, cm
+    margin: f32,     // samples by which a tile extends past its edge
+    length: f32,     // of the longest strand including all displacements, cm
 }
 
 @group(0) @binding(1) var<uniform> batch: StrandBatch;
@@ -103,7 +105,7 @@ fn gather(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
     }
     let nearest = p.z - tiles.length;
     if nearest > frame.near {
-        // A sphere around the root; off the axis it looks a little longer.
+        // A sphere around the root; away from the view axis its image is slightly elongated.
         let slope = max(frame.tan_x, frame.tan_y);
         let radius = tiles.length * samples_per_slope() / nearest * sqrt(1.0 + 2.0 * slope * slope) + tiles.margin;
         let low = vec2f(frame.tile_origin) - radius;

@@ -1,6 +1,9 @@
-// Step 6: coverage of the guard hairs' ribbons, one invocation a segment. DEVIATION: [Andersen2016] draws quads; walking the
-// samples along a segment in compute gives the coverage of the camera-facing ribbon analytically (a box filter one
-// sample wide across the hair), at any width, with no alias.
+// Step 6: coverage of the guard hairs' ribbons, one invocation per segment.
+// DEVIATION: [Andersen2016] draws quads; walking the samples along a segment in compute gives the
+// coverage of the camera-facing ribbon analytically (a box filter one sample wide across the hair),
+// at any width, without aliasing.
+// In: the tile's `bins`, `strand_vertices` (cm), `shades` (linear RGB radiance), `base_records`.
+// Out: strand fragments in `fragment_lists`, premultiplied.
 
 struct Bin {
     start: u32,
@@ -42,7 +45,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if shade_a.w > 0.5 && shade_b.w > 0.5 {
         return; // hidden from the eye
     }
-    // A hidden end was not shaded.
+    // A hidden end has no shade of its own.
     let color_a = select(shade_a.xyz, shade_b.xyz, shade_a.w > 0.5);
     let color_b = select(shade_b.xyz, color_a, shade_b.w > 0.5);
     let va = strand_vertices[at];
@@ -50,14 +53,14 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var a = film_from_world(va.xyz);
     var b = film_from_world(vb.xyz);
     if a.z <= frame.near || b.z <= frame.near {
-        return; // through the near plane: the eye is in the fur
+        return; // crosses the near plane: the eye is inside the fur
     }
     let radius_a = strand_radius(va) * samples_per_slope() / a.z;
     let radius_b = strand_radius(vb) * samples_per_slope() / b.z;
     let opacity_a = strand_opacity(va);
     let opacity_b = strand_opacity(vb);
     let source = fragment_source(KIND_STRAND, hash2(roots[strand].seed, k));
-    // Along the axis of larger extent every sample column is visited once; neighbouring segments share none.
+    // Along the major axis every sample column is visited once; consecutive segments share none.
     let d = b.xy - a.xy;
     let steep = abs(d.y) > abs(d.x);
     let a_major = select(a.x, a.y, steep);
@@ -72,7 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let end = min(tile_high.x, i32(ceil(max(a_major, b_major) - 0.5)));
     for (var column = first; column < end; column++) {
         let u = (f32(column) + 0.5 - a_major) / span;
-        // Along the hair in space: the projection divides by depth.
+        // Parameter along the hair in space: perspective-correct.
         let w = u * a.z / mix(b.z, a.z, u);
         let z = mix(a.z, b.z, w);
         let radius = mix(radius_a, radius_b, u);

@@ -1,5 +1,8 @@
-// Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is followed through the shell, so that
-// the light lattice tells what lies between it and each light, and whether the eye can see it at all.
+// Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is
+// followed through the prism shell to look up the optical depths towards each light and towards the
+// eye in the lattice.
+// In: `strand_vertices` (cm), `tau`, the scattering tables, groom and lights. Out: `shades`, linear
+// RGB radiance towards the eye.
 
 @group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: Fur;
@@ -13,7 +16,8 @@
 @group(0) @binding(10) var<storage, read> roots: array<Root>;
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
-@group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
+// Four halves: radiance; 1 where hidden.
+@group(0) @binding(13) var<storage, read_write> shades: array<vec2u>;
 @group(0) @binding(14) var table_sampler: sampler;
 @group(0) @binding(15) var field_table: texture_2d_array<f32>;
 @group(0) @binding(16) var sent_table: texture_2d_array<f32>;
@@ -34,11 +38,14 @@
 #import shared/strands
 #import shared/map_table
 #import shared/fibre
-#import shared/guard
+#import shared/guard_fibre
 #import shared/transport
 #import shared/dual
 
-// Least optical depth to the eye of the cell's corners.
+// Optical depth towards the eye beyond which a vertex counts as hidden and is not shaded.
+const HIDDEN_TAU: f32 = 14.0;
+
+// Least optical depth towards the eye at the cell's corners.
 fn eye_tau(cell: LatticeCell) -> f32 {
     var least = TAU_BLOCKED;
     for (var k = 0u; k < 3u; k++) {
@@ -48,7 +55,7 @@ fn eye_tau(cell: LatticeCell) -> f32 {
     return least;
 }
 
-// Weight of the tip's colour at s (0 root, 1 tip).
+// Weight of the tip's colour at s (0 root, 1 tip) in the transition from root to tip.
 fn tip_share(s: f32) -> f32 {
     let half_width = 0.5 * groom.color_transition.y;
     return smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
@@ -61,7 +68,8 @@ fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
         let low = scattered_word(node_index(cell.columns[k], cell.level));
         let high = low + fur.tau_stride;
         for (var word = 0u; word < 3u; word++) {
-            sum[word] += cell.weights[k] * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
+            sum[word] += cell.weights[k]
+                * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
         }
     }
     return array<vec3f, 2>(vec3f(sum[0], sum[1].x), vec3f(sum[1].y, sum[2]));
@@ -97,12 +105,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             inside = locate(&place, x, tangent, 3u) == INSIDE;
         }
         if !inside {
-            // Over the border of the skin, or where the shell folds: as high above the root as it is.
+            // Outside the border of the skin, or where the shell folds: the column above the root,
+            // at the height of the vertex.
             place = root_place;
             place.t = max(0.0, dot(x - at.position, at.normal) * inverse_height);
         }
         let cell = lattice_cell(&place);
-        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > 14.0 {
+        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > HIDDEN_TAU {
             shades[first + k] = pack_half4(vec4f(0.0, 0.0, 0.0, 1.0));
             continue;
         }
@@ -123,7 +132,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             radiance += guard_response(tint, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {
-            // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.
+            // Darkening that grows exponentially towards the skin. [Andersen2016] sec. 3.1
             radiance *= 1.0 - groom.root_darkening.x * exp(-s / groom.root_darkening.y);
         }
         shades[first + k] = pack_half4(vec4f(radiance, 0.0));

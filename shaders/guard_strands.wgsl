@@ -1,5 +1,7 @@
-// Step 3: guard hairs as cubic Bezier curves, tessellated. [Andersen2016] sec. 2 names Bezier shaping, gravity and grooming by
-// textures; the formulas are ours.
+// Step 3: guard hairs as tessellated cubic Bezier curves. [Andersen2016] sec. 2 names Bezier
+// shaping, gravity and grooming by textures; the formulas are ours.
+// In: `roots`, groom parameters and maps. Out: `strand_vertices` (shared/strands), `segments + 1`
+// per strand, in cm.
 
 @group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> groom: Groom;
@@ -8,7 +10,7 @@
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
 @group(0) @binding(7) var<storage, read> roots: array<Root>;
-@group(0) @binding(8) var<storage, read_write> strand_vertices: array<vec4f>; // xyz cm; w: radius (cm) and opacity as halves
+@group(0) @binding(8) var<storage, read_write> strand_vertices: array<vec4f>; // see shared/strands
 
 #import shared/constants
 #import shared/index
@@ -19,7 +21,7 @@
 #import shared/strands
 #import shared/strand_curve
 
-// Nearest of the clump centres, one in each cell of a jittered grid. Distance vector from p. [Worley1996]
+// Vector from p to the nearest clump centre; a jittered grid has one in each cell. [Worley1996]
 fn to_clump(p: vec3f) -> vec3f {
     let size = inverseSqrt(max(groom.clump_density, 1e-6));
     let cell = vec3i(floor(p / size));
@@ -38,7 +40,8 @@ fn to_clump(p: vec3f) -> vec3f {
     return best;
 }
 
-// Diameter profile: root to the widest place to tip, smooth at the widest place.
+// Diameter at s (0 root, 1 tip), cm: from the root to the widest place to the tip, smooth at the
+// widest place.
 fn diameter(s: f32) -> f32 {
     if s < groom.widest {
         let x = s / max(groom.widest, 1e-3);
@@ -64,7 +67,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
     let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
-    // Normally distributed along both sides. [BoxMuller1958]
+    // The random lean is normally distributed along both sides. [BoxMuller1958]
     let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
     let phi = TAU * random(seed, 2u);
     let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);

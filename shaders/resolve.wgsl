@@ -1,6 +1,9 @@
-// Step 7: fragments to film samples. `exact` sorts the explicit fragments of a sample and marches the undercoat between them, so that
-// both attenuate each other at their true depths with no virtual fragment stored; `stored` sorts and blends what the march
-// left, with [Andersen2016] eq. 4 for shell fragments or as they are for virtual fragments.
+// Step 7: fragments to film samples. `exact` reads the fragments of a sample in order and marches
+// the undercoat between them, so that both media attenuate each other at their true depths without
+// virtual fragments; `stored` sorts and blends the fragments that undercoat_march stored: shell
+// fragments with [Andersen2016] eq. 4, virtual fragments as they are.
+// In: `fragment_lists`, the volume, `source` (light at the lattice's nodes), `base_records`.
+// Out: `samples` (shared/film_sample), premultiplied linear RGB; `lost_rays`, counters.
 
 @group(0) @binding(1) var<uniform> fur: Fur;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -10,8 +13,9 @@
 @group(0) @binding(6) var<storage, read> source: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
-@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two a sample
-@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>; // lost, longest list
+@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
+// Rays lost; longest list.
+@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> coat_fibre: Fibre;
 
 #import shared/frame
@@ -28,7 +32,7 @@
 #import shared/record
 #import shared/source_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/march
 #import shared/phase
 #import shared/oit
@@ -36,13 +40,13 @@
 #import shared/base
 #import shared/film_sample
 
-// What a sample gathers, front to back. Contributions are premultiplied and add up.
+// What a sample gathers from front to back. Contributions are premultiplied.
 struct Gathered {
     through: f32,       // transmittance so far
     guard: vec3f,
     undercoat: vec3f,
     base: vec3f,
-    z_sum: f32,         // opacity-weighted depth
+    z_sum: f32,         // depth weighted by opacity
     fragments: u32,
 }
 
@@ -67,7 +71,8 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     }
 }
 
-// Puts a fragment behind what is gathered; returns the radiance that it adds. [PorterDuff1984]
+// Composites a fragment behind what has been gathered; returns the radiance that it adds.
+// [PorterDuff1984]
 fn put_behind(g: ptr<function, Gathered>, color: vec4f, z: f32) -> vec3f {
     let added = (*g).through * color.rgb;
     (*g).z_sum += (*g).through * color.a * z;
@@ -99,7 +104,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     var place: Place;
     begin_ray(&march, sample_ray(xy));
     let phase = first_phase(xy);
-    // An entry met while another interval is marched waits; media that overlap are not counted twice.
+    // An entry that is met during another interval waits, so that overlapping media are not
+    // counted twice.
     var waiting = NONE;
     var waiting_z = 0.0;
     var skip_to = 0.0;
@@ -112,7 +118,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         g.fragments = batch.length;
         more = batch.more;
         var next = 0u;
-        // Each round does at most one step of the march and takes all fragments up to its end.
+        // Each round takes at most one step of the march and all fragments up to its end.
         while g.through > fur.opacity_cut && (next < batch.count || (march.marching && !more)) {
             // Fragments outside the undercoat.
             while !march.marching && next < batch.count {
@@ -139,7 +145,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                     continue;
                 }
             }
-            // The step, cut at the fragments within it. Behind the batch's end nothing is known yet.
+            // The step, split at the fragments within it. What lies behind the batch is not known
+            // yet.
             var inside = true;
             while inside {
                 let has_node = next < batch.count;
@@ -179,7 +186,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     finish(i, xy, &g);
 }
 
-// Eq. 4: what the strands directly behind a shell fragment take from its alpha. "Directly behind" is up to the next shell fragment.
+// Alpha of a shell fragment less what the strands directly behind it take, that is those up to the
+// next shell fragment. [Andersen2016] eq. 4
 fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
     let color = node_color((*batch).node[at]);
     let z_shell = (*batch).z[at];
@@ -190,7 +198,7 @@ fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
             return max(0.0, alpha);
         }
         if kind == KIND_STRAND {
-            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell)); // [Andersen2016] eq. 4
+            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell));
         }
     }
     return max(0.0, alpha);
@@ -222,7 +230,8 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
                 if fur.virtual_fragments == 0u {
-                    // A shell fragment looks at what is behind it: where the batch ends early, read on from here.
+                    // A shell fragment needs the strands behind it: where the batch ends early, the
+                    // list is read again from here.
                     if k > 0u && batch.more {
                         read_batch(&batch, i, z_after, source_after - 1u);
                         more = batch.more;

@@ -1,5 +1,8 @@
-// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is lit there. A row is a shell or
-// a row of a fin's vertices. Lengths, combing and forces are those of the frame.
+// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is
+// lit there. A row is a textured shell or a row of a fin's vertices. Lengths, combing and forces
+// are those of the frame.
+// In: skin, groom, `tau` of the columns at the vertices, `shell_rows`. Out: `row_positions` (cm)
+// and `row_lights` (linear RGB).
 // [Lengyel2001] sec. 4.4, [Xbdev]
 
 struct Brush {
@@ -12,7 +15,7 @@ struct Brush {
 }
 
 struct LightingTable {
-    values: array<vec4f, 256>, // 32 x 32, four a vector: u = T.L along, v = T.H upwards; [Banks1994]
+    values: array<vec4f, 256>, // 32 x 32, four per vector: u = T.L, v = T.H; [Banks1994]
 }
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;
@@ -27,9 +30,13 @@ struct LightingTable {
 @group(0) @binding(10) var<storage, read> tau: array<u32>;
 @group(0) @binding(11) var<storage, read> shell_rows: array<ShellRow>;
 @group(0) @binding(12) var<storage, read> brushes: array<Brush>;
-@group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
-@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
-// Last: Mesa 22.3's software adapter writes past a table where a branch depends on the eighth uniform buffer.
+// xyz in cm; w: tangent, octahedral.
+@group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>;
+// Radiance of undercoat and guard hairs per unit of their colours, three halves each; the
+// undercoat's tangent, octahedral.
+@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>;
+// Last, because Mesa 22.3's software adapter writes past a table where a branch depends on the
+// eighth uniform buffer.
 @group(0) @binding(15) var<uniform> lighting_table: LightingTable;
 
 #import shared/constants
@@ -44,15 +51,15 @@ struct LightingTable {
 #import shared/groom
 #import shared/map_table
 #import shared/fibre
-#import shared/coat
-#import shared/guard
+#import shared/undercoat_fibre
+#import shared/guard_fibre
 #import shared/strand_curve
 #import shared/shellfin_types
 
-// What bends the hair of a vertex.
+// The hair of a vertex and what bends it.
 struct HairRoot {
     at: SkinPoint,
-    lean: vec3f,   // tangential, tangent of the angle
+    lean: vec3f,   // tangential; its length is the tangent of the angle
     height: f32,   // cm above the skin at row height 1
     tint: vec3f,   // factor on the light
 }
@@ -74,33 +81,34 @@ fn root_of(v: u32) -> HairRoot {
     lean -= at.normal * dot(lean, at.normal);
     var height = shellfin.height * max(0.0, scalar(SHELL_LENGTH, at));
     if shellfin.curved == 1u {
-        // Where the undercoat was lowered, because it would fold over, so are the shells.
+        // Where the prism shell was lowered because it would fold over, the textured shells are
+        // too.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
     return HairRoot(at, lean, height, tint);
 }
 
-// Where the hair is at row height s, relative to its root, by the height of the fur.
+// Place of the hair at row height s relative to its root, in units of the fur's height.
 fn hair(root: HairRoot, s: f32) -> vec3f {
     let n = root.at.normal;
     var p = s * (n + root.lean);
     if shellfin.curved == 1u {
-        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur; heights
-        // grow evenly, for each layer of the texture stands for its own.
+        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that
+        // its tip is as high as the fur. Heights grow evenly, as the texture's layers do.
         let legs = leg_directions(n, root.lean, groom.gravity);
         let polygon = control_polygon(n, legs[0] / 3.0, legs[1] / 3.0, legs[2] / 3.0);
         let b = bezier(polygon, s) / max(dot(polygon.p3, n), 0.25);
         p = b + n * (s - dot(b, n));
     }
     // Forces bend the tips most. [Xbdev]
-    // DEVIATION: hairs keep their length; the tutorial's stretch.
+    // DEVIATION: hairs keep their length; those of the tutorial stretch.
     let long = length(p);
     p += shellfin.bend * s * s * s;
     p *= long / max(length(p), 1e-4);
     return p + n * max(0.0, 0.1 * s - dot(p, n));
 }
 
-// Optical depth above column `v` at `height` (in shell heights) towards a light.
+// Optical depth in column `v` at `height` (in shell heights) towards a light.
 fn column_tau(v: u32, height: f32, light: u32) -> f32 {
     let level = level_at(height);
     return tau_between(node_index(v, level.lower), light, level.fraction);
@@ -158,10 +166,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {
                 undercoat += lights.lights[j].irradiance * light_through(depth, row.undercoat)
-                    * scatter_coat(lean, l, view, row.undercoat);
+                    * scatter_undercoat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
-                // The hairs that a row stands for lean a little every way.
+                // The hairs that a row stands for lean slightly in all directions.
                 let through = lights.lights[j].irradiance * light_through(depth, row.guard);
                 for (var k = 0u; k < 4u; k++) {
                     let turn = FRAC_PI_4 + FRAC_PI_2 * f32(k);

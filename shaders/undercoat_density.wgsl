@@ -1,5 +1,6 @@
-// Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016] sec. 3.2. Four bytes a
-// subelement. One invocation fills one layer of one prism.
+// Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016]
+// sec. 3.2; four bytes per subelement. One invocation fills one layer of one prism.
+// In: `prisms`, noise tables, uv. Out: `cells`, packed media (shared/undercoat).
 
 struct Counts {
     triangles: u32,

@@ -1,5 +1,8 @@
-// Step 5: the march that makes fragments of the undercoat, for the blending modes that store them: one shell fragment an entry, or
-// virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact mode marches while it resolves instead.
+// Step 5: the march that stores fragments of the undercoat, for the blending modes that need them:
+// one shell fragment per entry, or virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact
+// mode marches in the resolve pass instead.
+// In: entries in `fragment_lists`, the volume, `source` (light at the lattice's nodes). Out: volume
+// fragments in `fragment_lists`, premultiplied; `lost_rays`.
 
 @group(0) @binding(1) var<uniform> fur: Fur;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -26,7 +29,7 @@
 #import shared/record
 #import shared/source_table
 #import shared/fibre
-#import shared/coat
+#import shared/undercoat_fibre
 #import shared/march
 #import shared/phase
 #import shared/oit
@@ -50,9 +53,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var z_after = 0.0;
     var source_after = 0u;
     var serial = 0u;
-    // Entries in order of depth; intervals that overlap another are shortened, not counted twice.
+    // Entries in order of depth; intervals that overlap are shortened, not counted twice.
     loop {
-        // The next entry behind the last.
+        // The next entry behind the last one.
         var z_entry = NO_BASE;
         var entry = 0u;
         var node = atomicLoad(&fragment_lists[head_word(i)]);
@@ -72,10 +75,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         let consumed = march.z;
         enter_shell(&march, &place, fragment_id(entry), z_entry, first_phase(xy));
-        var through = 1.0;      // of this entry
+        var through = 1.0;      // transmittance of this entry
         var chunk = vec4f(0.0); // premultiplied
         var chunk_z = z_entry;
-        var closed = 0u;        // virtual fragments closed
+        var closed = 0u;        // virtual fragments that are full
         while march.marching && through > fur.opacity_cut {
             next_step(&march, &place);
             if !march.marching {
@@ -90,8 +93,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 }
                 continue;
             }
-            // The part of the step, cut where a virtual fragment is full: fragments of equal opacity, so that none is spent
-            // where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a fixed number of steps.
+            // The step, split where a virtual fragment is full. Fragments have equal opacity, so
+            // that none is spent where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a
+            // fixed number of steps.
             var z = z0;
             let rest = exp(-march.sigma * (z1 - z0)); // [Max1995]
             let through_end = through * rest;
@@ -108,10 +112,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 let part = 1.0 - through_next / through;
                 let room = 1.0 - chunk.a;
                 chunk += room * part * vec4f(march.radiance, 1.0);
-                if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments)
-                    && through > 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments) {
-                    // The fragment stands where half of its opacity is reached.
-                    chunk_z = z + log(through / (1.0 - (f32(closed) + 0.5) / f32(virtual_fragments))) / max(march.sigma, 1e-9);
+                let through_half = 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments);
+                if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= through_half && through > through_half {
+                    // The fragment's depth is that at which half of its opacity is reached.
+                    chunk_z = z + log(through / through_half) / max(march.sigma, 1e-9);
                 }
                 through = through_next;
                 z = z_next;

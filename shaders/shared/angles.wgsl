@@ -1,4 +1,4 @@
-// Angles between unit vectors, and frames around one.
+// Angles between unit vectors, and unit vectors perpendicular to one.
 
 // Sine of an angle in [0, pi] from its cosine, or cosine of one in [-pi/2, pi/2] from its sine.
 fn complement(c: f32) -> f32 {
@@ -20,7 +20,7 @@ fn cosine_between(a: vec3f, b: vec3f) -> f32 {
     return dot(a, b) * inverseSqrt(max(dot(a, a) * dot(b, b), 1e-12));
 }
 
-// Two unit vectors that are perpendicular to a third and to one another.
+// Two unit vectors that form an orthonormal frame with a third.
 struct Sides {
     side: vec3f,
     other: vec3f,

@@ -1,12 +1,12 @@
-// Barycentric coordinates in a triangle.
+// Barycentric coordinates in a triangle, and interpolation by them.
 
-// All three from those at corners 1 and 2.
+// All three coordinates from those at corners 1 and 2.
 fn barycentric(l: vec2f) -> vec3f {
     return vec3f(1.0 - l.x - l.y, l);
 }
 
-// Those of the place that lies at `a` from corner 0 of a triangle with the edges e1 and e2 from there. `n` is their cross product,
-// `inverse` one over its square.
+// Of the point at `a` from corner 0 of a triangle with edges e1 and e2 from there. `n`: their cross
+// product; `inverse`: 1 / dot(n, n).
 fn barycentric_at(a: vec3f, e1: vec3f, e2: vec3f, n: vec3f, inverse: f32) -> vec3f {
     return barycentric(vec2f(dot(cross(a, e2), n) * inverse, dot(cross(e1, a), n) * inverse));
 }

@@ -1,4 +1,4 @@
-// Columns of the light lattice. Needs: shared/shell, shared/lattice, columns (array<Column>).
+// Columns of the optical-depth lattice. Needs: fur (uniform Fur).
 
 #import shared/barycentric
 
@@ -11,7 +11,7 @@ struct Column {
     color_tip: u32,
     color_base: u32,  // reflectance of the skin
     padding: u32,
-    blocked: vec2u,   // one bit a light: the skin itself stands in the way outside the shell
+    blocked: vec2u,   // one bit per light: blocked by the skin itself outside the shell
 }
 
 // Barycentric coordinates of a column in its triangle.

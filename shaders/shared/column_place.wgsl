@@ -1,11 +1,11 @@
-// Where a node of the light lattice stands. Needs: columns, shared/shell, shared/column.
+// Places of the lattice's nodes. Needs: columns (array<Column>); shared/shell, shared/column.
 
 // Height above the skin of a level, in shell heights.
 fn level_height(level: u32) -> f32 {
     return f32(level) / f32(fur.levels) * fur.light_reach;
 }
 
-// Sets the place of a node; returns its position.
+// Sets `place` to a node; returns its position (world, cm).
 fn enter_node(place: ptr<function, Place>, column: u32, level: u32) -> vec3f {
     enter_prism(place, columns[column].prism);
     let l = column_lambda(columns[column].grid);

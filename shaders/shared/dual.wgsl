@@ -1,5 +1,5 @@
-// Dual scattering, [Zinke2008], from the rows of `response_table` that say what a hair scatters on and back. Twin: src/transport/dual.rs.
-// Needs: shared/transport.
+// Dual scattering, [Zinke2008], from the rows of `response_table` that hold what a hair scatters
+// forward and backward. Twin: src/transport/dual.rs. Needs: shared/transport.
 
 #import shared/angles
 #import shared/constants
@@ -8,9 +8,10 @@ fn unit_area_gaussian(x: f32, variance: f32) -> f32 {
     return exp(-0.5 * x * x / variance) * inverseSqrt(TAU * variance);
 }
 
-// Light scattered more than once from l to v by a hair with the optical depth `tau` towards l, for an irradiance of 1; the cosine of
-// incidence is in it. `row` says whose hair. [Zinke2008] eq. 5, 12 and 20
-fn dual_scatter(row: i32, tint: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: f32) -> vec3f {
+// Radiance scattered more than once from l towards v by a hair with the optical depth `tau` towards
+// l, for an irradiance of 1, cosine of incidence included. `row`: first of the hair's two rows in
+// `response_table`. [Zinke2008] eq. 5, 12 and 20
+fn dual_scatter(row: i32, albedo: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: f32) -> vec3f {
     let theta_i = asin(inclination_sine(tangent, l));
     let theta_o = asin(inclination_sine(tangent, v));
     let theta_d = 0.5 * (theta_o - theta_i);
@@ -20,9 +21,11 @@ fn dual_scatter(row: i32, tint: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: 
     let direct = exp(-tau);
     var sum = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let shares = response_entry(f32(row), tint[c], x);      // on, back, from behind, shift from behind
-        let lobes = response_entry(f32(row + 1), tint[c], x);   // variances on, back, from behind; shift back
-        // DEVIATION: the number of hairs on the way has a Poisson distribution here, of mean tau.
+        // Forward, backward, from behind; shift from behind.
+        let shares = response_entry(f32(row), albedo[c], x);
+        // Variances forward, backward, from behind; shift backward.
+        let lobes = response_entry(f32(row + 1), albedo[c], x);
+        // DEVIATION: the number of hairs along the path has a Poisson distribution of mean tau.
         let forward = density.x * (exp(-tau * (1.0 - shares.x)) - direct);
         let spread = max(tau * shares.x, 1.0) * lobes.x;
         let near = 2.0 * shares.z * unit_area_gaussian(turn - shares.w, lobes.z);

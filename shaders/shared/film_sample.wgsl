@@ -3,9 +3,9 @@
 #import shared/halves
 
 struct FilmSample {
-    guard: vec3f,       // premultiplied radiance of the guard hairs,
-    undercoat: vec3f,   // of the undercoat
-    base: vec3f,        // and of the skin
+    guard: vec3f,       // premultiplied linear RGB radiance of the guard hairs
+    undercoat: vec3f,   // the same of the undercoat
+    base: vec3f,        // the same of the skin
     through: f32,       // transmittance
     z: f32,             // mean depth weighted by opacity, cm; NO_BASE where nothing is seen
     normal: u32,        // of the skin, a packed direction; 0: none

@@ -1,5 +1,5 @@
 // Groom parameters: a constant, the vertex colour or an image map, read at a point of the skin.
-// Needs: groom (uniform Groom), map_texels (array<vec2u>, four halves a texel).
+// Needs: groom (uniform Groom), map_texels (array<vec2u>, four halves per texel).
 
 #import shared/arithmetic
 #import shared/groom_types
@@ -36,6 +36,7 @@ fn point_of_vertex(vertex: ShellVertex, uv: vec2f) -> SkinPoint {
     return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color).rgb);
 }
 
+// A texel of a map, repeating.
 fn texel(parameter: u32, x: i32, y: i32) -> vec4f {
     let size = vec2i(groom.parameters[parameter].size);
     let column = ((x % size.x) + size.x) % size.x;
@@ -55,7 +56,8 @@ fn bilinear(parameter: u32, uv: vec2f) -> vec4f {
         texel(parameter, x, y + 1), texel(parameter, x + 1, y + 1), f);
 }
 
-// For skins without uv: three planar lookups, one repeat in 10 cm, weighted by the normal. [Geiss2007]
+// For skins without uv: three planar lookups, one repeat per 10 cm, weighted by the normal.
+// [Geiss2007]
 fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     let n2 = normal * normal;
     let w = n2 * n2 / dot(n2, n2);
@@ -63,6 +65,7 @@ fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     return w.x * bilinear(parameter, p.yz) + w.y * bilinear(parameter, p.xz) + w.z * bilinear(parameter, p.xy);
 }
 
+// Factor on a parameter's constant.
 fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.parameters[parameter].source {
         case 1u: { return vec4f(at.color, 1.0); }

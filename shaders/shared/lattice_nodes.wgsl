@@ -1,10 +1,11 @@
-// Numbers of the lattice's nodes: `levels + 1` of them in a column, one after the other. Needs: fur (uniform Fur).
+// Numbers of the lattice's nodes: `levels + 1` per column, consecutive.
+// Needs: fur (uniform Fur).
 
-// Where something is looked up between the nodes.
+// Nodes and weights for a lookup.
 struct LatticeCell {
     columns: vec3u,
     weights: vec3f,
-    level: u32,     // lower of two
+    level: u32,     // the lower of two
     fraction: f32,  // towards the upper
 }
 

@@ -1,5 +1,5 @@
-// Tables of the hairs' scattering lie behind the texels of the maps: the kernels that shade have no binding to spare.
-// Needs: map_texels (array<vec2u>).
+// Scattering tables of hairs, behind the texels of the maps: the kernels that shade have no binding
+// left. Needs: map_texels (array<vec2u>).
 
 #import shared/halves
 

@@ -1,14 +1,15 @@
-// Where the undercoat's noise is read. Needs: fur (uniform Fur), uv_of_corner; shared/shell.
+// Where the undercoat's noise is evaluated. Needs: fur (uniform Fur), uv_of_corner; shared/shell.
 
 #import shared/barycentric
 
-// uv of a point of a triangle.
+// uv of a point of a skin triangle.
 fn skin_uv(prism: u32, lambda: vec3f) -> vec2f {
     let corner = 3u * prism;
     return interpolate2(lambda, uv_of_corner(corner), uv_of_corner(corner + 1u), uv_of_corner(corner + 2u));
 }
 
-// The skin's point below barycentric coordinates of the place's prism, in the noise domain: its position (cm), or its uv.
+// The skin's point at barycentric coordinates of the place's prism, in the noise domain: its
+// position (cm), or its uv.
 fn noise_point(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
     var p = skin_at(place, lambda);
     if fur.noise_domain == 1u {

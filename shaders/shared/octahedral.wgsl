@@ -14,7 +14,7 @@ fn octahedral_decode(e: vec2f) -> vec3f {
     return normalize(v);
 }
 
-// A direction in a word.
+// A direction in one word, two signed normalised 16 bit numbers.
 fn pack_direction(v: vec3f) -> u32 {
     return pack2x16snorm(octahedral_encode(v));
 }

@@ -1,13 +1,13 @@
-// Reading the lists of shared/oit in order. Needs: fragment_lists (array<u32>, read); shared/oit.
+// Reads the lists of shared/oit in order. Needs: fragment_lists (array<u32>, read); shared/oit.
 
 #import shared/halves
 
 const BATCH: u32 = 24u;
 
-// The nearest nodes behind a key, in order; at most BATCH at a time.
+// The nearest nodes behind a fragment, in order; at most BATCH of them.
 struct Batch {
     count: u32,
-    more: bool,              // there are nodes behind the batch
+    more: bool,              // nodes follow behind the batch
     length: u32,             // of the whole list
     z: array<f32, BATCH>,
     source: array<u32, BATCH>,
@@ -19,7 +19,7 @@ fn node_color(node: u32) -> vec4f {
     return unpack_half4(vec2u(fragment_lists[at + NODE_COLOR], fragment_lists[at + NODE_COLOR + 1u]));
 }
 
-// Collects the nodes behind (z_after, source_after) by insertion. Lists of any length are read in several rounds.
+// Collects the nodes behind (z_after, source_after) by insertion. Longer lists take several rounds.
 fn read_batch(batch: ptr<function, Batch>, sample_index: u32, z_after: f32, source_after: u32) {
     (*batch).count = 0u;
     (*batch).more = false;

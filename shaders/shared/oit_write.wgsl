@@ -1,4 +1,4 @@
-// Adding to the lists of shared/oit. Needs: fragment_lists (array<atomic<u32>>); shared/oit.
+// Adds to the lists of shared/oit. Needs: fragment_lists (array<atomic<u32>>); shared/oit.
 
 #import shared/halves
 

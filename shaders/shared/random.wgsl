@@ -25,6 +25,7 @@ fn random(seed: u32, k: u32) -> f32 {
     return unit_float(hash2(seed, k));
 }
 
+// Numbers k and k + 1 of a seed.
 fn random2(seed: u32, k: u32) -> vec2f {
     return vec2f(random(seed, k), random(seed, k + 1u));
 }
@@ -33,8 +34,7 @@ fn random3(seed: u32, k: u32) -> vec3f {
     return vec3f(random(seed, k), random(seed, k + 1u), random(seed, k + 2u));
 }
 
-// The k-th of points that an additive recurrence spreads evenly over the unit square, from a start in it:
-// the R2 sequence. [Roberts2018]
+// Point k of the R2 sequence in the unit square, displaced by `start`. [Roberts2018]
 fn r2_point(start: vec2f, k: u32) -> vec2f {
     return fract(start + f32(k) * vec2f(0.7548777, 0.5698403));
 }

@@ -1,4 +1,4 @@
-// A hair root.
+// Roots of guard hairs.
 
 #import shared/barycentric
 

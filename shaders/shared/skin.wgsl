@@ -1,4 +1,5 @@
-// Points of a skin triangle with the corners `vertices`. Needs: shell_vertices (array<ShellVertex>).
+// Points of the skin, by a triangle's vertices and barycentric coordinates.
+// Needs: shell_vertices (array<ShellVertex>).
 
 #import shared/barycentric
 #import shared/shell_types

@@ -1,5 +1,5 @@
-// Tables of the undercoat's scattering lie behind the light's nodes: the kernels that march have no binding to spare.
-// Needs: source (array<vec4u>).
+// Scattering tables of the undercoat, behind the lattice's nodes in `source`: the kernels that
+// march have no binding left. Needs: source (array<vec4u>).
 
 #import shared/halves
 

@@ -1,5 +1,6 @@
-// Optical depths at the nodes of the lattice, as pairs of halves; the slot behind the last light belongs to the eye. A node has
-// `fur.tau_stride` words: with multiple scattering by transport, mean scattered radiance from above and from below follows, six halves.
+// Optical depths at the nodes of the lattice, pairs of halves; the slot behind the last light
+// belongs to the eye. A node has `fur.tau_stride` words: with multiple scattering by transport, the
+// mean scattered radiance from above and from below follows, six halves.
 // Needs: fur (uniform Fur), tau (array<u32>).
 
 #import shared/lattice_nodes
@@ -24,6 +25,7 @@ fn tau_between(node: u32, light: u32, fraction: f32) -> f32 {
     return mix(node_tau(node, light), node_tau(node + 1u, light), fraction);
 }
 
+// In a cell of the lattice.
 fn cell_tau(cell: LatticeCell, light: u32) -> f32 {
     var sum = 0.0;
     for (var k = 0u; k < 3u; k++) {

@@ -1,9 +1,9 @@
-// The undercoat at a place of the shell.
-// Needs: cells (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat.
+// The undercoat's medium at a place of the prism shell.
+// Needs: cells (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat, shared/clumps.
 
 #import shared/noise_domain
 
-// Medium of the subelement at `layer` and cell `id` of the place's prism.
+// Medium of subelement `id` in `layer` of the place's prism.
 fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium {
     let l = subelement_centroid(id, (*place).subdivision);
     let t = (f32(layer) + 0.5) / f32(fur.layers);
@@ -13,7 +13,8 @@ fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium
     return medium;
 }
 
-// Whether the volume is stored or evaluated: fixed when the kernel is compiled, for an untaken branch is not free everywhere.
+// Whether the volume is stored or evaluated; fixed when the kernel is compiled, as an untaken
+// branch is not free on all adapters.
 override STORED: bool = true;
 
 fn medium_at(place: ptr<function, Place>) -> Medium {
@@ -22,6 +23,6 @@ fn medium_at(place: ptr<function, Place>) -> Medium {
     if STORED {
         return unpack_medium(cells[volume_index(place, layer, id)]);
     }
-    // As it would be stored, so that the image does not depend on it.
+    // Rounded as in storage, so that the image does not depend on the choice.
     return unpack_medium(pack_medium(subelement_medium(place, layer, id)));
 }

@@ -1,0 +1,31 @@
+// Scattering by the undercoat's hairs. Needs: coat_fibre (uniform Fibre); shared/fibre.
+
+// The model, fixed when the kernel is compiled.
+override COAT_MODEL: u32 = MODEL_KAJIYA_KAY;
+
+// Radiance from `l` towards `v` (unit, both leave the hair) per irradiance, for a hair of colour
+// `tint`. For Kajiya-Kay without the colour, see `undercoat_factor`.
+fn scatter_undercoat(tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f) -> vec3f {
+    if COAT_MODEL == MODEL_KAJIYA_KAY {
+        return vec3f(kajiya_kay(coat_fibre.diffuse, coat_fibre.specular, coat_fibre.specular_exponent, tangent, l, v));
+    }
+    return scatter_fibre(COAT_MODEL, coat_fibre, tangent, l, v, tint, MEAN_GLINT);
+}
+
+// Factor on `scatter_undercoat`: the colour of Kajiya-Kay is that at the shaded point, not that of
+// the nodes around it.
+fn undercoat_factor(tint: vec3f) -> vec3f {
+    return select(vec3f(1.0), tint, COAT_MODEL == MODEL_KAJIYA_KAY);
+}
+
+// Colour of a hair that absorbs as much as one of which each half has one of these colours. Models
+// with absorption inside the hair average it, which is the square of the colour's logarithm.
+fn mean_color(a: vec3f, b: vec3f) -> vec3f {
+    if COAT_MODEL < MODEL_CHIANG {
+        return 0.5 * (a + b);
+    }
+    let low = vec3f(1e-3);
+    let log_a = log(max(a, low));
+    let log_b = log(max(b, low));
+    return exp(-sqrt(0.5 * (log_a * log_a + log_b * log_b)));
+}
