@@ -21,7 +21,6 @@ struct BvhNode {
 #import shared/index
 #import shared/undercoat_types
 #import shared/shell
-#import shared/lattice
 #import shared/column
 #import shared/column_place
 #import shared/lights

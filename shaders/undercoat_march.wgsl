@@ -36,8 +36,6 @@
 #import shared/oit_write
 #import shared/base
 
-const ENTRIES: u32 = 12u;
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);

@@ -24,7 +24,6 @@
 #import shared/octahedral
 #import shared/undercoat
 #import shared/shell
-#import shared/lattice
 #import shared/column
 #import shared/column_place
 #import shared/lights
