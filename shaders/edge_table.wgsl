@@ -1,6 +1,9 @@
-// Step 1: neighbours over the edges, [Andersen2016] sec. 3.2. A hash table over 64-bit keys of directed edges: pass `insert`
-// enters every edge counter-clockwise, pass `lookup` finds the reversed key. A slot holds the number of the edge that
-// came first; its key is read from the triangles, so that no 64-bit atomics are needed.
+// Step 1: neighbours of the triangles over their edges, [Andersen2016] sec. 3.2. A hash table over
+// 64-bit keys of directed edges: `insert` enters every edge counter-clockwise, `lookup` finds the
+// reversed key. A slot holds the number of the edge that came first; its key is read from the
+// triangles, so that no 64-bit atomics are needed.
+// In: `triangles`, three vertices each. Out: `neighbours`, the triangle over the edge opposite each
+// corner, or NONE.
 
 struct Counts {
     edges: u32,
@@ -9,14 +12,13 @@ struct Counts {
 
 @group(0) @binding(1) var<uniform> counts: Counts;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
-@group(0) @binding(3) var<storage, read_write> slots: array<atomic<u32>>;  // edge + 1; 0 is free
-@group(0) @binding(4) var<storage, read_write> owners: array<atomic<u32>>; // edges that have the slot's key
+@group(0) @binding(3) var<storage, read_write> slots: array<atomic<u32>>;  // edge + 1; 0: free
+@group(0) @binding(4) var<storage, read_write> owners: array<atomic<u32>>; // edges with the key
 @group(0) @binding(5) var<storage, read_write> neighbours: array<u32>;
 
+#import shared/constants
 #import shared/random
 #import shared/index
-
-const NONE: u32 = 0xffffffffu;
 
 // Directed edge opposite corner k of a triangle: from corner k + 1 to corner k + 2.
 fn edge_key(edge: u32) -> vec2u {
@@ -40,7 +42,7 @@ fn insert(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
     loop {
         let seen = atomicCompareExchangeWeak(&slots[slot], 0u, edge + 1u);
         if !seen.exchanged && seen.old_value == 0u {
-            continue; // a weak exchange may fail for no reason
+            continue; // a weak exchange may fail spuriously
         }
         if seen.exchanged || all(edge_key(seen.old_value - 1u) == key) {
             atomicAdd(&owners[slot], 1u);

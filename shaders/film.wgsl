@@ -1,4 +1,8 @@
-// Film samples to pixels: a separable reconstruction filter over the sample grid, summed in a fixed order.
+// Step 7: film samples to pixels, by a separable reconstruction filter over the sample grid. The
+// sum runs in a fixed order, so that the result does not depend on threads.
+// In: `samples` (shared/film_sample), the filter's weights. Out: `pixels`, plane by plane: linear
+// RGB and alpha; guard hairs, undercoat, skin; normal; transmittance; fragments; depth (cm) times
+// opacity, and opacity.
 
 struct Reconstruction {
     origin: vec2i,          // first pixel of the tile, relative to the tile's first sample
@@ -6,11 +10,11 @@ struct Reconstruction {
     grid: u32,              // samples along a pixel's edge
     reach: i32,             // samples on either side of a pixel's first sample
     taps: u32,
-    planes: u32,            // 4, or all
-    accumulate: u32,        // 1: add to what is there
+    planes: u32,            // how many are written: 4 or all 20
+    accumulate: u32,        // 1: adds to the pixels
     scale: f32,
     padding: vec2u,
-    weights: array<vec4f, 32>, // taps, four a vector
+    weights: array<vec4f, 32>, // taps, four per vector
 }
 
 @group(0) @binding(1) var<uniform> reconstruction: Reconstruction;
@@ -19,8 +23,8 @@ struct Reconstruction {
 
 #import shared/frame
 #import shared/index
-#import shared/octahedral
 #import shared/base
+#import shared/film_sample
 
 fn weight(k: u32) -> f32 {
     return reconstruction.weights[k / 4u][k % 4u];
@@ -47,30 +51,27 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         for (var x = 0u; x < reconstruction.taps; x++) {
             let w = weight(x) * weight(y);
             let xy = clamp(corner + vec2i(vec2u(x, y)), vec2i(0), vec2i(frame.tile_size) - 1);
-            let at = 2u * u32(xy.y * i32(frame.tile_size.x) + xy.x);
-            let a = samples[at];
-            let b = samples[at + 1u];
-            let mixed = unpack2x16float(a.y);
-            let last = unpack2x16float(b.x);
-            guard += w * vec3f(unpack2x16float(a.x), mixed.x);
-            undercoat += w * vec3f(mixed.y, unpack2x16float(a.z));
-            base += w * vec3f(unpack2x16float(a.w), last.x);
-            through += w * last.y;
-            fragments += w * f32(b.w);
-            let z = bitcast<f32>(b.y);
-            if z < NO_BASE {
-                let opacity = w * (1.0 - last.y);
-                z_sum += opacity * z;
+            let at = 2u * tile_index(vec2u(xy));
+            let s = unpack_film_sample(samples[at], samples[at + 1u]);
+            guard += w * s.guard;
+            undercoat += w * s.undercoat;
+            base += w * s.base;
+            through += w * s.through;
+            fragments += w * f32(s.fragments);
+            if s.z < NO_BASE {
+                let opacity = w * (1.0 - s.through);
+                z_sum += opacity * s.z;
                 z_weight += opacity;
             }
-            if b.z != 0u {
-                normal += w * octahedral_decode(unpack2x16snorm(b.z));
+            if s.normal != 0u {
+                normal += w * unpack_direction(s.normal);
             }
         }
     }
     let all = guard + undercoat + base;
-    var values = array<f32, 20>(all.r, all.g, all.b, 1.0 - through, guard.r, guard.g, guard.b, undercoat.r, undercoat.g, undercoat.b,
-        base.r, base.g, base.b, normal.x, normal.y, normal.z, through, fragments, z_sum, z_weight);
+    var values = array<f32, 20>(all.r, all.g, all.b, 1.0 - through, guard.r, guard.g, guard.b,
+        undercoat.r, undercoat.g, undercoat.b, base.r, base.g, base.b, normal.x, normal.y, normal.z,
+        through, fragments, z_sum, z_weight);
     for (var p = 0u; p < reconstruction.planes; p++) {
         let at = p * count + i;
         let before = select(0.0, pixels[at], reconstruction.accumulate == 1u);

@@ -1,20 +1,18 @@
-// Step 6: which strands touch which tile, so that a small tile costs no pass over all strands. `count` sizes the bins, `fill` writes them;
-// the order within a bin does not matter. Where the strands do not fit the budget, `gather` picks the roots whose strands may touch one
-// tile, and only those are grown.
-
-struct Batch {
-    strands: u32,
-}
+// Step 6: which strands touch which tile, so that a small tile needs no pass over all strands.
+// `count` sizes the bins and `fill` writes them; the order within a bin does not matter. Where the
+// strands exceed the memory budget, `gather` picks the roots whose strands may touch one tile, and
+// only those are grown.
+// In: `strand_vertices` (cm) or `roots`. Out: `bin_counts`, `bins`, `tile_roots`.
 
 struct Tiles {
     origin: vec2i,   // of the grid, samples
     size: vec2u,     // of a tile, samples
     grid: vec2u,     // tiles
-    margin: f32,     // samples that a tile reaches over its edge
-    length: f32,     // of the longest strand with everything that bends it, cm
+    margin: f32,     // samples by which a tile extends past its edge
+    length: f32,     // of the longest strand including all displacements, cm
 }
 
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> tiles: Tiles;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
@@ -28,9 +26,9 @@ struct Tiles {
 
 #import shared/frame
 #import shared/index
-#import shared/shell_types
 #import shared/groom_types
 #import shared/root_types
+#import shared/skin
 #import shared/strands
 
 // First and last tile that a strand touches; last < first where it touches none.
@@ -101,15 +99,13 @@ fn gather(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
         return;
     }
     let root = roots[i];
-    let v = prisms[root.prism].vertices;
-    let l = vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda);
-    let p = film_from_world(l.x * shell_vertices[v.x].position + l.y * shell_vertices[v.y].position + l.z * shell_vertices[v.z].position);
+    let p = film_from_world(skin_position(prisms[root.prism].vertices, root_lambda(root)));
     if p.z + tiles.length < frame.near {
         return;
     }
     let nearest = p.z - tiles.length;
     if nearest > frame.near {
-        // A sphere around the root; off the axis it looks a little longer.
+        // A sphere around the root; away from the view axis its image is slightly elongated.
         let slope = max(frame.tan_x, frame.tan_y);
         let radius = tiles.length * samples_per_slope() / nearest * sqrt(1.0 + 2.0 * slope * slope) + tiles.margin;
         let low = vec2f(frame.tile_origin) - radius;

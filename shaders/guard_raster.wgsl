@@ -1,6 +1,9 @@
-// Step 6: coverage of the guard hairs' ribbons, one invocation a segment. DEVIATION: [Andersen2016] draws quads; walking the
-// samples along a segment in compute gives the coverage of the camera-facing ribbon analytically (a box filter one
-// sample wide across the hair), at any width, with no alias.
+// Step 6: coverage of the guard hairs' ribbons, one invocation per segment.
+// DEVIATION: [Andersen2016] draws quads; walking the samples along a segment in compute gives the
+// coverage of the camera-facing ribbon analytically (a box filter one sample wide across the hair),
+// at any width, without aliasing.
+// In: the tile's `bins`, `strand_vertices` (cm), `shades` (linear RGB radiance), `base_records`.
+// Out: strand fragments in `fragment_lists`, premultiplied.
 
 struct Bin {
     start: u32,
@@ -26,6 +29,7 @@ struct Bin {
 #import shared/oit
 #import shared/oit_write
 #import shared/coverage
+#import shared/base
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -36,31 +40,27 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = bins[bin.start + i / groom.segments];
     let k = i % groom.segments;
     let at = strand * (groom.segments + 1u) + k;
-    let shade_a = shades[at];
-    let shade_b = shades[at + 1u];
-    let last_a = unpack2x16float(shade_a.y);
-    let last_b = unpack2x16float(shade_b.y);
-    if last_a.y > 0.5 && last_b.y > 0.5 {
+    let shade_a = unpack_half4(shades[at]);
+    let shade_b = unpack_half4(shades[at + 1u]);
+    if shade_a.w > 0.5 && shade_b.w > 0.5 {
         return; // hidden from the eye
     }
-    var color_a = vec3f(unpack2x16float(shade_a.x), last_a.x);
-    var color_b = vec3f(unpack2x16float(shade_b.x), last_b.x);
-    // A hidden end was not shaded.
-    color_a = select(color_a, color_b, last_a.y > 0.5);
-    color_b = select(color_b, color_a, last_b.y > 0.5);
+    // A hidden end has no shade of its own.
+    let color_a = select(shade_a.xyz, shade_b.xyz, shade_a.w > 0.5);
+    let color_b = select(shade_b.xyz, color_a, shade_b.w > 0.5);
     let va = strand_vertices[at];
     let vb = strand_vertices[at + 1u];
     var a = film_from_world(va.xyz);
     var b = film_from_world(vb.xyz);
     if a.z <= frame.near || b.z <= frame.near {
-        return; // through the near plane: the eye is in the fur
+        return; // crosses the near plane: the eye is inside the fur
     }
     let radius_a = strand_radius(va) * samples_per_slope() / a.z;
     let radius_b = strand_radius(vb) * samples_per_slope() / b.z;
     let opacity_a = strand_opacity(va);
     let opacity_b = strand_opacity(vb);
-    let source = (KIND_STRAND << KIND_SHIFT) | (hash2(roots[strand].seed, k) & ID_MASK);
-    // Along the axis of larger extent every sample column is visited once; neighbouring segments share none.
+    let source = fragment_source(KIND_STRAND, hash2(roots[strand].seed, k));
+    // Along the major axis every sample column is visited once; consecutive segments share none.
     let d = b.xy - a.xy;
     let steep = abs(d.y) > abs(d.x);
     let a_major = select(a.x, a.y, steep);
@@ -75,7 +75,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let end = min(tile_high.x, i32(ceil(max(a_major, b_major) - 0.5)));
     for (var column = first; column < end; column++) {
         let u = (f32(column) + 0.5 - a_major) / span;
-        // Along the hair in space: the projection divides by depth.
+        // Parameter along the hair in space: perspective-correct.
         let w = u * a.z / mix(b.z, a.z, u);
         let z = mix(a.z, b.z, w);
         let radius = mix(radius_a, radius_b, u);
@@ -90,8 +90,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 continue;
             }
             let xy = vec2u(select(vec2i(column, row), vec2i(row, column), steep) - frame.tile_origin);
-            let index = xy.y * frame.tile_size.x + xy.x;
-            if z < bitcast<f32>(base_records[index].x) {
+            let index = tile_index(xy);
+            if z < base_depth(base_records[index]) {
                 add_fragment(index, z, source, vec4f(mix(color_a, color_b, w) * alpha, alpha));
             }
         }

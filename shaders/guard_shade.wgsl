@@ -1,11 +1,10 @@
-// Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is followed through the shell, so that
-// the light lattice tells what lies between it and each light, and whether the eye can see it at all.
+// Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is
+// followed through the prism shell to look up the optical depths towards each light and towards the
+// eye in the lattice.
+// In: `strand_vertices` (cm), `tau`, the scattering tables, groom and lights. Out: `shades`, linear
+// RGB radiance towards the eye.
 
-struct Batch {
-    strands: u32,
-}
-
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
@@ -17,7 +16,8 @@ struct Batch {
 @group(0) @binding(10) var<storage, read> roots: array<Root>;
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
-@group(0) @binding(13) var<storage, read_write> shades: array<vec2u>; // radiance, three halves; 1 in the fourth: hidden
+// Four halves: radiance; 1 where hidden.
+@group(0) @binding(13) var<storage, read_write> shades: array<vec2u>;
 @group(0) @binding(14) var table_sampler: sampler;
 @group(0) @binding(15) var field_table: texture_2d_array<f32>;
 @group(0) @binding(16) var sent_table: texture_2d_array<f32>;
@@ -29,48 +29,47 @@ struct Batch {
 #import shared/undercoat_types
 #import shared/shell
 #import shared/lattice
+#import shared/tau
+#import shared/transmittance
+#import shared/halves
 #import shared/lights
 #import shared/groom
 #import shared/roots
 #import shared/strands
 #import shared/map_table
 #import shared/fibre
+#import shared/guard_fibre
 #import shared/transport
 #import shared/dual
 
-// The model, fixed when the kernel is compiled.
-override GUARD_MODEL: u32 = 1u;
+// Optical depth towards the eye beyond which a vertex counts as hidden and is not shaded.
+const HIDDEN_TAU: f32 = 14.0;
 
-// Optical depth towards a light (or the eye) in a lattice cell.
-fn cell_tau(cell: LatticeCell, light: u32) -> f32 {
-    let stride = fur.tau_stride;
-    var sum = 0.0;
-    for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * stride + light / 2u;
-        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], cell.fraction);
-    }
-    return sum;
-}
-
-// Least optical depth to the eye of the cell's corners.
+// Least optical depth towards the eye at the cell's corners.
 fn eye_tau(cell: LatticeCell) -> f32 {
-    let stride = fur.tau_stride;
     var least = TAU_BLOCKED;
     for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * stride + fur.lights / 2u;
-        least = min(least, min(unpack2x16float(tau[node])[fur.lights & 1u], unpack2x16float(tau[node + stride])[fur.lights & 1u]));
+        let node = node_index(cell.columns[k], cell.level);
+        least = min(least, min(node_tau(node, fur.lights), node_tau(node + 1u, fur.lights)));
     }
     return least;
+}
+
+// Weight of the tip's colour at s (0 root, 1 tip) in the transition from root to tip.
+fn tip_share(s: f32) -> f32 {
+    let half_width = 0.5 * groom.color_transition.y;
+    return smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
 }
 
 // Mean scattered radiance from above and from below in a lattice cell.
 fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
     var sum = array<vec2f, 3>();
     for (var k = 0u; k < 3u; k++) {
-        let low = node_index(cell.columns[k], cell.level) * fur.tau_stride + tau_pairs();
+        let low = scattered_word(node_index(cell.columns[k], cell.level));
         let high = low + fur.tau_stride;
         for (var word = 0u; word < 3u; word++) {
-            sum[word] += cell.weights[k] * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
+            sum[word] += cell.weights[k]
+                * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
         }
     }
     return array<vec3f, 2>(vec3f(sum[0], sum[1].x), vec3f(sum[1].y, sum[2]));
@@ -83,7 +82,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let root = roots[i];
-    let at = skin_point(root.prism, vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda));
+    let at = skin_point(root.prism, root_lambda(root));
     let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6u) - 1.0);
     let color_root = color(GUARD_COLOR_ROOT, at) * tone;
     let color_tip = color(GUARD_COLOR_TIP, at) * tone;
@@ -92,52 +91,50 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var place: Place;
     enter_prism(&place, root.prism);
     place.t = 0.0;
-    place.lambda = vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda);
+    place.lambda = root_lambda(root);
     let root_place = place;
-    let extrusion = place.v0 + place.lambda.y * place.w1 + place.lambda.z * place.w2;
-    let inverse_height = 1.0 / max(length(extrusion), 1e-3);
+    let inverse_height = 1.0 / max(length(extrusion(&place)), 1e-3);
     var inside = true;
     for (var k = 0u; k <= groom.segments; k++) {
         let x = strand_vertices[first + k].xyz;
         let tangent = strand_tangent(first, k, groom.segments);
-        let view = normalize(frame.eye - x);
+        let view = to_eye(x);
         let s = f32(k) / f32(groom.segments);
-        let half_width = 0.5 * groom.color_transition.y;
-        let blend = smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
-        let tint = clamp(mix(color_root, color_tip, blend), vec3f(0.0), vec3f(1.0));
+        let tint = clamp(mix(color_root, color_tip, tip_share(s)), vec3f(0.0), vec3f(1.0));
         if inside {
             inside = locate(&place, x, tangent, 3u) == INSIDE;
         }
         if !inside {
-            // Over the border of the skin, or where the shell folds: as high above the root as it is.
+            // Outside the border of the skin, or where the shell folds: the column above the root,
+            // at the height of the vertex.
             place = root_place;
             place.t = max(0.0, dot(x - at.position, at.normal) * inverse_height);
         }
         let cell = lattice_cell(&place);
-        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > 14.0 {
-            shades[first + k] = vec2u(0u, pack2x16float(vec2f(0.0, 1.0)));
+        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > HIDDEN_TAU {
+            shades[first + k] = pack_half4(vec4f(0.0, 0.0, 0.0, 1.0));
             continue;
         }
         var radiance = vec3f(0.0);
         for (var j = 0u; j < fur.lights; j++) {
             let depth = select(0.0, cell_tau(cell, j), groom.paper == 0u);
-            let through = exp(-depth * (1.0 - fur.forward_scattering * tint));
+            let through = light_through(depth, tint);
             if MULTIPLE == MULTIPLE_DUAL {
                 radiance += lights.lights[j].irradiance
                     * dual_scatter(ROW_DUAL_GUARD, tint, tangent, lights.lights[j].direction, view, depth);
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_fibre(GUARD_MODEL, guard_fibre, tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_guard(tangent, lights.lights[j].direction, view, tint, glint_angle);
         }
         if MULTIPLE == MULTIPLE_TRANSPORT {
             let scattered = scattered_light(cell);
-            let normal = normalize(place.v0 + place.lambda.y * place.w1 + place.lambda.z * place.w2);
+            let normal = normalize(extrusion(&place));
             radiance += guard_response(tint, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {
-            // [Andersen2016] sec. 3.1: darkening that grows exponentially towards the skin.
+            // Darkening that grows exponentially towards the skin. [Andersen2016] sec. 3.1
             radiance *= 1.0 - groom.root_darkening.x * exp(-s / groom.root_darkening.y);
         }
-        shades[first + k] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
+        shades[first + k] = pack_half4(vec4f(radiance, 0.0));
     }
 }

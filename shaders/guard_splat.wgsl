@@ -1,11 +1,9 @@
-// Step 2: what stands in the way of the light, at the nodes of the light lattice. `deposit` adds the guard hairs' length x diameter in
-// fixed point, so that the order of additions does not matter; `normalise` divides by the nodes' volumes and joins the undercoat.
+// Step 2: extinction at the nodes of the optical-depth lattice. `deposit` adds length times
+// diameter of the guard hairs in fixed point, so that the order of additions does not matter;
+// `normalise` divides by the nodes' volumes and adds the undercoat.
+// In: `strand_vertices` (cm), `columns`. Out: `lattice_extinction` in 1/cm.
 
-struct Batch {
-    strands: u32,
-}
-
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -14,7 +12,8 @@ struct Batch {
 @group(0) @binding(7) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(8) var<storage, read_write> deposits: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read> columns: array<Column>;
-@group(0) @binding(10) var<storage, read_write> lattice_extinction: array<u32>; // 1/cm: undercoat (seen square), guard hairs; halves
+// Projected extinction (perpendicular to the hairs) of undercoat and guard hairs, 1/cm, two halves.
+@group(0) @binding(10) var<storage, read_write> lattice_extinction: array<u32>;
 @group(0) @binding(11) var<uniform> noise: Noise;
 @group(0) @binding(12) var<storage, read> corner_uv: array<vec2f>;
 
@@ -25,6 +24,8 @@ struct Batch {
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
+#import shared/uv_in_corners
+#import shared/noise_domain
 #import shared/lattice
 #import shared/column
 #import shared/column_place
@@ -32,8 +33,8 @@ struct Batch {
 #import shared/root_types
 #import shared/strands
 
-const FIXED_POINT: f32 = 4194304.0; // per cm2
-const PARTS: u32 = 2u;              // deposits a segment
+const FIXED_POINT: f32 = 4194304.0; // units per cm2
+const PARTS: u32 = 2u;              // deposits per segment
 
 @compute @workgroup_size(64)
 fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -69,30 +70,25 @@ fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gr
 @compute @workgroup_size(64)
 fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= fur.columns * (fur.levels + 1u) {
+    if i >= node_count() {
         return;
     }
-    let column = i / (fur.levels + 1u);
-    let level = i % (fur.levels + 1u);
+    let column = column_of_node(i);
+    let level = level_of_node(i);
     var place: Place;
     enter_node(&place, column, level);
     let t = place.t;
     let flat = cross(place.e1, place.e2);
-    let raised = cross(place.e1 + t * place.w1, place.e2 + t * place.w2);
+    let raised = layer_at(&place, t).n;
     let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
-    // The end nodes stand for half a cell.
+    // The first and the last node of a column stand for half a cell.
     let cells = select(1.0, 0.5, level == 0u || level == fur.levels);
     let volume = columns[column].area * spread * length(extrusion(&place)) * fur.light_reach / f32(fur.levels) * cells;
     let guard = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
     var undercoat = 0.0;
     if t <= 1.0 && fur.extinction > 0.0 {
-        var p = place.p0 + place.lambda.y * place.e1 + place.lambda.z * place.e2;
-        if fur.noise_domain == 1u {
-            let corner = 3u * place.prism;
-            p = vec3f(place.lambda.x * corner_uv[corner] + place.lambda.y * corner_uv[corner + 1u]
-                + place.lambda.z * corner_uv[corner + 2u], 0.0);
-        }
-        let tangent = normalize(normalize(extrusion(&place)) + fur.lean * t);
+        let p = noise_point(&place, place.lambda);
+        let tangent = mean_tangent(normalize(extrusion(&place)), t);
         undercoat = fur.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
     }
     lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));

@@ -1,26 +1,27 @@
-// Step 3: guard hairs as cubic Bezier curves, tessellated. [Andersen2016] sec. 2 names Bezier shaping, gravity and grooming by
-// textures; the formulas are ours.
+// Step 3: guard hairs as tessellated cubic Bezier curves. [Andersen2016] sec. 2 names Bezier
+// shaping, gravity and grooming by textures; the formulas are ours.
+// In: `roots`, groom parameters and maps. Out: `strand_vertices` (shared/strands), `segments + 1`
+// per strand, in cm.
 
-struct Batch {
-    strands: u32,
-}
-
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> batch: StrandBatch;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
 @group(0) @binding(7) var<storage, read> roots: array<Root>;
-@group(0) @binding(8) var<storage, read_write> strand_vertices: array<vec4f>; // xyz cm; w: radius (cm) and opacity as halves
+@group(0) @binding(8) var<storage, read_write> strand_vertices: array<vec4f>; // see shared/strands
 
+#import shared/constants
 #import shared/index
 #import shared/random
 #import shared/shell_types
 #import shared/groom
 #import shared/roots
+#import shared/strands
+#import shared/strand_curve
 
-// Nearest of the clump centres, one in each cell of a jittered grid. Distance vector from p.
+// Vector from p to the nearest clump centre; a jittered grid has one in each cell. [Worley1996]
 fn to_clump(p: vec3f) -> vec3f {
     let size = inverseSqrt(max(groom.clump_density, 1e-6));
     let cell = vec3i(floor(p / size));
@@ -29,7 +30,7 @@ fn to_clump(p: vec3f) -> vec3f {
     for (var i = 0; i < 27; i++) {
         let c = cell + vec3i(i % 3, (i / 3) % 3, i / 9) - 1;
         let h = hash2(hash2(bitcast<u32>(c.x), bitcast<u32>(c.y)), bitcast<u32>(c.z) ^ groom.seed);
-        let offset = (vec3f(c) + vec3f(random(h, 0u), random(h, 1u), random(h, 2u))) * size - p;
+        let offset = (vec3f(c) + random3(h, 0u)) * size - p;
         let distance = dot(offset, offset);
         if distance < least {
             least = distance;
@@ -39,7 +40,8 @@ fn to_clump(p: vec3f) -> vec3f {
     return best;
 }
 
-// Diameter profile: root to the widest place to tip, smooth at the widest place.
+// Diameter at s (0 root, 1 tip), cm: from the root to the widest place to the tip, smooth at the
+// widest place.
 fn diameter(s: f32) -> f32 {
     if s < groom.widest {
         let x = s / max(groom.widest, 1e-3);
@@ -57,26 +59,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let root = roots[i];
     let seed = root.seed;
-    let at = skin_point(root.prism, vec3f(1.0 - root.lambda.x - root.lambda.y, root.lambda));
+    let at = skin_point(root.prism, root_lambda(root));
     let n = at.normal;
-    let side = normalize(cross(select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(n.x) > 0.7), n));
-    let other = cross(n, side);
+    let sides = sides_of(n);
+    let side = sides.side;
+    let other = sides.other;
 
     let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
     let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
+    // The random lean is normally distributed along both sides. [BoxMuller1958]
     let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
-    let phi = 6.2831853 * random(seed, 2u);
-    let lean = combed * scalar(GUARD_COMB, at) + spread * (cos(phi) * side + sin(phi) * other);
-    let fall = vec3f(0.0, -groom.gravity, 0.0);
-    // Control polygon of length L; no control point below the tangent plane.
-    let e1 = normalize(n + 0.5 * lean);
-    let e2 = normalize(n + 0.9 * lean + 0.35 * fall);
-    let e3 = normalize(n + 1.25 * lean + fall);
-    let p1 = e1 * (length_cm / 3.0);
-    var p2 = p1 + e2 * (length_cm / 3.0);
-    var p3 = p2 + e3 * (length_cm / 3.0);
-    p2 -= n * min(0.0, dot(p2, n));
-    p3 -= n * min(0.0, dot(p3, n));
+    let phi = TAU * random(seed, 2u);
+    let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);
+    let leg = length_cm / 3.0;
+    let legs = leg_directions(n, lean, groom.gravity);
+    let polygon = control_polygon(n, legs[0] * leg, legs[1] * leg, legs[2] * leg);
 
     let clump = scalar(GUARD_CLUMP, at);
     var pull = vec3f(0.0);
@@ -86,22 +83,20 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let curl = scalar(GUARD_CURL, at);
     let frizz = scalar(GUARD_FRIZZ, at);
-    let curl_phase = 6.2831853 * random(seed, 3u);
-    let frizz_phase = 6.2831853 * vec2f(random(seed, 4u), random(seed, 5u));
+    let curl_phase = TAU * random(seed, 3u);
+    let frizz_phase = TAU * random2(seed, 4u);
     let thickness = scalar(GUARD_THICKNESS, at);
     let segments = groom.segments;
     for (var k = 0u; k <= segments; k++) {
         let s = f32(k) / f32(segments);
-        let r = 1.0 - s;
-        var p = 3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3;
+        var p = bezier(polygon, s);
         p += pull * s * s;
-        let turn = curl_phase + 6.2831853 * groom.curl_frequency * length_cm * s;
+        let turn = curl_phase + TAU * groom.curl_frequency * length_cm * s;
         p += curl * s * ((cos(turn) - cos(curl_phase)) * side + (sin(turn) - sin(curl_phase)) * other);
-        let wave = frizz_phase + 6.2831853 * groom.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
+        let wave = frizz_phase + TAU * groom.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
         p += frizz * s * (sin(wave.x) * side + sin(wave.y) * other);
         let opacity = groom.opacity * exp(-groom.tip_fade * s);
         let radius = 0.5 * thickness * diameter(s);
-        strand_vertices[i * (segments + 1u) + k] =
-            vec4f(at.position + p, bitcast<f32>(pack2x16float(vec2f(radius * 100.0, opacity))));
+        strand_vertices[i * (segments + 1u) + k] = pack_strand_vertex(at.position + p, radius, opacity);
     }
 }

@@ -1,5 +1,7 @@
-// Step 1: hair roots, after Van Gelder and Wilhelms 1997 with a density map, [Andersen2016] sec. 3. Each triangle draws its own
-// number and places from its id, so that the result does not depend on the order of threads.
+// Step 1: roots of the guard hairs with a density map, [VanGelderWilhelms1997], [Andersen2016]
+// sec. 3. Each triangle draws its own number and places from its id, so that the result does not
+// depend on the order of threads.
+// In: skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by `emit`.
 
 struct Batch {
     first: u32,      // triangle
@@ -24,7 +26,8 @@ struct Batch {
 #import shared/groom
 #import shared/roots
 
-// Candidates of a triangle: floor(x) and one more with the probability of the rest, so that the mean is x.
+// Number of candidates of a triangle: floor(x), and one more with the probability of the remainder,
+// so that the mean is x = area times density.
 fn candidates(prism: u32) -> u32 {
     let v = prisms[prism].vertices;
     let p0 = shell_vertices[v.x].position;
@@ -32,15 +35,16 @@ fn candidates(prism: u32) -> u32 {
     return u32(area * batch.density + random(hash2(batch.seed, prism), 0u));
 }
 
-// The k-th candidate: an additive recurrence with a random start spreads the roots over the triangle.
+// Barycentric coordinates of the k-th candidate: a quasirandom sequence with a random start spreads
+// the roots evenly over the triangle.
 fn candidate(prism: u32, k: u32) -> vec3f {
     let seed = hash2(batch.seed, prism);
-    let u = fract(vec2f(random(seed, 1u), random(seed, 2u)) + f32(k) * vec2f(0.7548777, 0.5698403));
-    let r = sqrt(u.x);
+    let u = r2_point(random2(seed, 1u), k);
+    let r = sqrt(u.x); // [Turk1990]
     return vec3f(1.0 - r, r * (1.0 - u.y), r * u.y);
 }
 
-// Thinning by the density map.
+// Whether a candidate survives the thinning by the density map.
 fn grows(prism: u32, k: u32, lambda: vec3f) -> bool {
     let wanted = scalar(GUARD_DENSITY, skin_point(prism, lambda));
     return random(hash2(batch.seed, prism), 3u + k) * batch.density < wanted;

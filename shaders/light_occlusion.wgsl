@@ -1,5 +1,7 @@
-// Step 2: which lights the skin itself blocks, once for each column of the lattice: a ray from the lattice's top through a BVH
-// over the skin's triangles (built by obvhs).
+// Step 2: which lights the skin itself blocks outside the shell, once for each column of the
+// lattice: a ray from the lattice's top through a BVH over the skin's triangles (built by obvhs).
+// In: skin triangles, the BVH, directions towards the lights. Out: `blocked` of the columns, one
+// bit a light.
 
 struct BvhNode {
     low: vec3f,
@@ -13,17 +15,17 @@ struct BvhNode {
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(5) var<storage, read> bvh_nodes: array<BvhNode>;
-@group(0) @binding(6) var<storage, read> bvh_triangles: array<u32>; // triangle numbers in leaf order
+@group(0) @binding(6) var<storage, read> bvh_triangles: array<u32>; // triangles in leaf order
 @group(0) @binding(7) var<storage, read_write> columns: array<Column>;
 
 #import shared/index
 #import shared/undercoat_types
 #import shared/shell
-#import shared/lattice
 #import shared/column
 #import shared/column_place
 #import shared/lights
 
+// Slab test. `inverse`: reciprocals of the ray's components. [KayKajiya1986]
 fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
     let a = (bvh_nodes[node].low - origin) * inverse;
     let b = (bvh_nodes[node].high - origin) * inverse;
@@ -32,6 +34,7 @@ fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
     return min(far.x, min(far.y, far.z)) >= max(0.0, max(near.x, max(near.y, near.z)));
 }
 
+// Both sides of a triangle, at positive distances. [MollerTrumbore1997]
 fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     let v = prisms[triangle].vertices;
     let p0 = shell_vertices[v.x].position;
@@ -49,6 +52,7 @@ fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     return u >= 0.0 && v2 >= 0.0 && u + v2 <= 1.0 && dot(e2, q) > 0.0;
 }
 
+// Whether any triangle lies on the ray; depth-first with a stack.
 fn blocked(origin: vec3f, ray: vec3f) -> bool {
     let inverse = 1.0 / select(ray, vec3f(1e-12), abs(ray) < vec3f(1e-12));
     var stack: array<u32, 48>;
@@ -86,12 +90,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     var place: Place;
-    // A little above the skin even where there is no undercoat.
+    // Slightly above the skin even where there is no undercoat.
     let origin = enter_node(&place, i, fur.levels) + normalize(cross(place.e1, place.e2)) * 1e-3;
     var bits = vec2u(0u);
     for (var j = 0u; j < fur.lights; j++) {
         if blocked(origin, lights.lights[j].direction) {
-            bits[j >> 5u] |= 1u << (j & 31u);
+            bits[blocked_word(j)] |= blocked_bit(j);
         }
     }
     columns[i].blocked = bits;

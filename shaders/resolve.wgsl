@@ -1,6 +1,9 @@
-// Step 7: fragments to film samples. `exact` sorts the explicit fragments of a sample and marches the undercoat between them, so that
-// both attenuate each other at their true depths with no virtual fragment stored; `stored` sorts and blends what the march
-// left, with [Andersen2016] eq. 4 for shell fragments or as they are for virtual fragments.
+// Step 7: fragments to film samples. `exact` reads the fragments of a sample in order and marches
+// the undercoat between them, so that both media attenuate each other at their true depths without
+// virtual fragments; `stored` sorts and blends the fragments that undercoat_march stored: shell
+// fragments with [Andersen2016] eq. 4, virtual fragments as they are.
+// In: `fragment_lists`, the volume, `source` (light at the lattice's nodes), `base_records`.
+// Out: `samples` (shared/film_sample), premultiplied linear RGB; `lost_rays`, counters.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -10,8 +13,9 @@
 @group(0) @binding(6) var<storage, read> source: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
-@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two a sample
-@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>; // lost, longest list
+@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
+// Rays lost; longest list.
+@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
 
 #import shared/frame
@@ -34,64 +38,74 @@
 #import shared/oit
 #import shared/oit_read
 #import shared/base
+#import shared/film_sample
 
-// What a sample gathers, front to back. Contributions are premultiplied and add up.
+// What a sample gathers from front to back. Contributions are premultiplied.
 struct Gathered {
     through: f32,       // transmittance so far
     guard: vec3f,
     undercoat: vec3f,
     base: vec3f,
-    z_sum: f32,         // opacity-weighted depth
+    z_sum: f32,         // depth weighted by opacity
     fragments: u32,
 }
 
 fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
-    let z_base = bitcast<f32>(base.x);
+    let z_base = base_depth(base);
     var normal = 0u;
     if z_base < NO_BASE {
-        (*g).base = (*g).through * vec3f(unpack2x16float(base.y), unpack2x16float(base.z).x);
+        (*g).base = (*g).through * base_radiance(base);
         (*g).z_sum += (*g).through * z_base;
         (*g).through = 0.0;
         normal = base.w;
     }
     let opacity = 1.0 - (*g).through;
     let z = select(NO_BASE, (*g).z_sum / max(opacity, 1e-6), opacity > 1e-4);
-    samples[2u * i] = vec4u(pack2x16float((*g).guard.rg), pack2x16float(vec2f((*g).guard.b, (*g).undercoat.r)),
-        pack2x16float((*g).undercoat.gb), pack2x16float((*g).base.rg));
-    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f((*g).base.b, (*g).through)), bitcast<u32>(z), normal, (*g).fragments);
+    let packed = pack_film_sample(
+        FilmSample((*g).guard, (*g).undercoat, (*g).base, (*g).through, z, normal, (*g).fragments));
+    samples[2u * i] = packed[0];
+    samples[2u * i + 1u] = packed[1];
     if (*g).fragments > 0u {
         atomicMax(&lost_rays[1], (*g).fragments);
     }
 }
 
-fn over_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
-    (*g).guard += (*g).through * color.rgb;
+// Composites a fragment behind what has been gathered; returns the radiance that it adds.
+// [PorterDuff1984]
+fn put_behind(g: ptr<function, Gathered>, color: vec4f, z: f32) -> vec3f {
+    let added = (*g).through * color.rgb;
     (*g).z_sum += (*g).through * color.a * z;
     (*g).through *= 1.0 - color.a;
+    return added;
 }
 
-fn over_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
-    (*g).undercoat += (*g).through * color.rgb;
-    (*g).z_sum += (*g).through * color.a * z;
-    (*g).through *= 1.0 - color.a;
+fn put_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    let added = put_behind(g, color, z);
+    (*g).guard += added;
+}
+
+fn put_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    let added = put_behind(g, color, z);
+    (*g).undercoat += added;
 }
 
 @compute @workgroup_size(64)
 fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    let xy = tile_xy(i);
     var g: Gathered;
     g.through = 1.0;
-    let z_base = bitcast<f32>(base_records[i].x);
+    let z_base = base_depth(base_records[i]);
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
     let phase = first_phase(xy);
-    // An entry met while another interval is marched waits; media that overlap are not counted twice.
+    // An entry that is met during another interval waits, so that overlapping media are not
+    // counted twice.
     var waiting = NONE;
     var waiting_z = 0.0;
     var skip_to = 0.0;
@@ -104,16 +118,16 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         g.fragments = batch.length;
         more = batch.more;
         var next = 0u;
-        // Each round does at most one step of the march and takes all fragments up to its end.
+        // Each round takes at most one step of the march and all fragments up to its end.
         while g.through > fur.opacity_cut && (next < batch.count || (march.marching && !more)) {
             // Fragments outside the undercoat.
             while !march.marching && next < batch.count {
                 let key = batch.source[next];
-                if (key >> KIND_SHIFT) == KIND_ENTRY {
+                if fragment_kind(key) == KIND_ENTRY {
                     skip_to = 0.0;
-                    enter_shell(&march, &place, key & ID_MASK, batch.z[next], phase);
+                    enter_shell(&march, &place, fragment_id(key), batch.z[next], phase);
                 } else {
-                    over_strand(&g, node_color(batch.node[next]), batch.z[next]);
+                    put_strand(&g, node_color(batch.node[next]), batch.z[next]);
                 }
                 next++;
             }
@@ -131,7 +145,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                     continue;
                 }
             }
-            // The step, cut at the fragments within it. Behind the batch's end nothing is known yet.
+            // The step, split at the fragments within it. What lies behind the batch is not known
+            // yet.
             var inside = true;
             while inside {
                 let has_node = next < batch.count;
@@ -139,18 +154,18 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 let z_to = clamp(z_node, march.z, march.z_end);
                 let length = z_to - max(march.z, skip_to);
                 if length > 0.0 {
-                    let rest = exp(-march.sigma * length);
-                    over_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
+                    let rest = exp(-march.sigma * length); // [Max1995]
+                    put_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
                 }
                 march.z = z_to;
                 inside = has_node && z_node <= march.z_end;
                 if inside {
                     let key = batch.source[next];
-                    if (key >> KIND_SHIFT) == KIND_ENTRY {
-                        waiting = key & ID_MASK;
+                    if fragment_kind(key) == KIND_ENTRY {
+                        waiting = fragment_id(key);
                         waiting_z = z_node;
                     } else {
-                        over_strand(&g, node_color(batch.node[next]), z_node);
+                        put_strand(&g, node_color(batch.node[next]), z_node);
                     }
                     next++;
                 }
@@ -171,18 +186,19 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     finish(i, xy, &g);
 }
 
-// Eq. 4: what the strands directly behind a shell fragment take from its alpha. "Directly behind" is up to the next shell fragment.
+// Alpha of a shell fragment less what the strands directly behind it take, that is those up to the
+// next shell fragment. [Andersen2016] eq. 4
 fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
     let color = node_color((*batch).node[at]);
     let z_shell = (*batch).z[at];
     var alpha = color.a;
     for (var k = at + 1u; k < (*batch).count; k++) {
-        let kind = (*batch).source[k] >> KIND_SHIFT;
+        let kind = fragment_kind((*batch).source[k]);
         if kind == KIND_VOLUME {
             return max(0.0, alpha);
         }
         if kind == KIND_STRAND {
-            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell)); // [Andersen2016] eq. 4
+            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell));
         }
     }
     return max(0.0, alpha);
@@ -191,10 +207,10 @@ fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
 @compute @workgroup_size(64)
 fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+    let xy = tile_xy(i);
     var g: Gathered;
     g.through = 1.0;
     var batch: Batch;
@@ -208,13 +224,14 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
         for (var k = 0u; k < batch.count; k++) {
             z_after = batch.z[k];
             source_after = batch.source[k];
-            let kind = source_after >> KIND_SHIFT;
+            let kind = fragment_kind(source_after);
             if kind == KIND_STRAND {
-                over_strand(&g, node_color(batch.node[k]), z_after);
+                put_strand(&g, node_color(batch.node[k]), z_after);
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
                 if fur.virtual_fragments == 0u {
-                    // A shell fragment looks at what is behind it: where the batch ends early, read on from here.
+                    // A shell fragment needs the strands behind it: where the batch ends early, the
+                    // list is read again from here.
                     if k > 0u && batch.more {
                         read_batch(&batch, i, z_after, source_after - 1u);
                         more = batch.more;
@@ -222,7 +239,7 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
                     }
                     color *= simplified_alpha(&batch, k) / max(color.a, 1e-6);
                 }
-                over_volume(&g, color, z_after);
+                put_volume(&g, color, z_after);
             }
         }
     }

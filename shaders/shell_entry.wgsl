@@ -1,9 +1,11 @@
-// Step 5: shell fragments, [Andersen2016] sec. 3.2: where rays enter the shell. The top faces, and the walls over the border of an
-// open skin, without which its rim would be bald. The raster stage only writes which prism and how deep.
+// Step 5: where view rays enter the prism shell, [Andersen2016] sec. 3.2: through the top faces,
+// and through walls over the border of an open skin, without which its rim would be bald. The
+// raster stage writes only which prism and how deep.
+// In: `prisms`, `border`, `base_records`. Out: entries in `fragment_lists` (depth in cm).
 
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(3) var<storage, read> border: array<vec2u>;       // triangle and corner opposite the border edge
+@group(0) @binding(3) var<storage, read> border: array<vec2u>; // triangle, corner opposite the edge
 @group(0) @binding(4) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(5) var<storage, read_write> fragment_lists: array<atomic<u32>>;
 
@@ -11,11 +13,14 @@
 #import shared/shell_types
 #import shared/oit
 #import shared/oit_write
+#import shared/arithmetic
+#import shared/base
 
 struct Varying {
     @builtin(position) clip: vec4f,
     @interpolate(flat) @location(0) prism: u32,
-    @interpolate(flat) @location(1) plane: vec4f, // normal, and distance from the eye times its length
+    // Normal, and its dot product with the vector from the eye to a corner.
+    @interpolate(flat) @location(1) plane: vec4f,
 }
 
 fn plane_of(a: vec3f, b: vec3f, c: vec3f) -> vec4f {
@@ -34,7 +39,7 @@ fn top(@builtin(vertex_index) i: u32) -> Varying {
     return Varying(clip_from_world(raised(v[i % 3u])), prism, plane_of(raised(v.x), raised(v.y), raised(v.z)));
 }
 
-// The wall over a border edge: two triangles that face outwards.
+// The wall over a border edge: two triangles facing outwards.
 @vertex
 fn wall(@builtin(vertex_index) i: u32) -> Varying {
     let edge = border[i / 6u];
@@ -51,11 +56,11 @@ fn wall(@builtin(vertex_index) i: u32) -> Varying {
 @fragment
 fn fragment(in: Varying) {
     let xy = vec2u(in.clip.xy);
-    let i = xy.y * frame.tile_size.x + xy.x;
-    // The depth from the plane itself: the raster's interpolation depends on the tile.
+    let i = tile_index(xy);
+    // Depth from the plane itself: the rasteriser's interpolation depends on the tile.
     let along = dot(sample_ray(xy), in.plane.xyz);
-    let z = in.plane.w / select(along, -1e-20, abs(along) < 1e-20);
-    if z > frame.near && z < bitcast<f32>(base_records[i].x) {
-        add_fragment(i, z, (KIND_ENTRY << KIND_SHIFT) | (in.prism & ID_MASK), vec4f(0.0));
+    let z = in.plane.w / away_from_zero(along, -1e-20);
+    if z > frame.near && z < base_depth(base_records[i]) {
+        add_fragment(i, z, fragment_source(KIND_ENTRY, in.prism), vec4f(0.0));
     }
 }

@@ -1,5 +1,7 @@
-// Step 1: the prism shell, extruded along smoothed normals, [Andersen2016] sec. 3 and fig. 3. `fold` finds how far each vertex
-// can be extruded before a prism turns over, `vertices` extrudes, `prisms` joins the tables.
+// Step 1: the prism shell, extruded along smoothed normals, [Andersen2016] sec. 3 and fig. 3.
+// `fold` finds how far each vertex can be extruded before a prism folds over, `spread` limits the
+// slope of the top, `vertices` extrudes, `prisms_of_triangles` joins the tables.
+// In: `skin_vertices`, height map (cm), `neighbours`. Out: `shell_vertices`, `prisms`.
 
 struct Counts {
     vertices: u32,
@@ -9,14 +11,14 @@ struct Counts {
 @group(0) @binding(1) var<uniform> counts: Counts;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
-@group(0) @binding(4) var<storage, read> skin_vertices: array<ShellVertex>;      // height: unused
+@group(0) @binding(4) var<storage, read> skin_vertices: array<ShellVertex>; // height: unused
 @group(0) @binding(5) var<storage, read> triangles: array<u32>;
 @group(0) @binding(6) var<storage, read> vertex_uv: array<vec2f>;
-@group(0) @binding(7) var<storage, read_write> reach: array<atomic<u32>>;        // bits of a height, cm
+@group(0) @binding(7) var<storage, read_write> reach: array<atomic<u32>>; // bits of the height, cm
 @group(0) @binding(8) var<storage, read> reach_before: array<u32>;
 @group(0) @binding(9) var<storage, read_write> shell_vertices: array<ShellVertex>;
 @group(0) @binding(10) var<storage, read> neighbours: array<u32>;
-@group(0) @binding(11) var<storage, read> subdivisions: array<vec2u>;            // level d, first subelement
+@group(0) @binding(11) var<storage, read> subdivisions: array<vec2u>; // level d, first subelement
 @group(0) @binding(12) var<storage, read> edge_numbers: array<u32>;
 @group(0) @binding(13) var<storage, read_write> prisms: array<Prism>;
 
@@ -26,20 +28,25 @@ struct Counts {
 
 const FOLD_STEPS: u32 = 16u;
 
-fn wanted_height(v: u32) -> f32 {
-    let s = skin_vertices[v];
-    return max(0.0, scalar(UNDERCOAT_HEIGHT, SkinPoint(s.position, s.normal, vertex_uv[v], unpack4x8unorm(s.color).rgb)));
+fn triangle_vertices(t: u32) -> vec3u {
+    return vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
 }
 
-// Where neighbouring normals meet below the wanted height the shell would fold over: the three vertices are lowered to
-// where the prism keeps a fifth of its area. A lowered vertex keeps a twentieth of its height, so that no spot is bald.
+fn wanted_height(v: u32) -> f32 {
+    let s = skin_vertices[v];
+    return max(0.0, scalar(UNDERCOAT_HEIGHT, point_of_vertex(s, vertex_uv[v])));
+}
+
+// Where neighbouring normals converge below the wanted height the shell would fold over: the three
+// vertices are lowered until the prism's top keeps a fifth of the skin triangle's area. The last
+// step is a twentieth of the height, so that no spot is bald.
 @compute @workgroup_size(64)
 fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
     if t >= counts.triangles {
         return;
     }
-    let v = vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
+    let v = triangle_vertices(t);
     let h = vec3f(wanted_height(v.x), wanted_height(v.y), wanted_height(v.z));
     let p0 = skin_vertices[v.x].position;
     let p1 = skin_vertices[v.y].position;
@@ -60,8 +67,9 @@ fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
 }
 
-// A lowered vertex lowers its surroundings: the shell's top climbs no steeper than this over the skin, else creases would tear
-// holes. Each round reads one table and takes minima into the other, so that the order of triangles does not show.
+// A lowered vertex lowers its surroundings: the shell's top climbs by at most this part of an
+// edge's length, or creases would tear holes. Each round reads one table and takes minima into the
+// other, so that the order of triangles does not show.
 const STEEPEST: f32 = 0.8;
 
 @compute @workgroup_size(64)
@@ -99,7 +107,7 @@ fn prisms_of_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_wo
         return;
     }
     let first = 3u * t;
-    prisms[t] = Prism(vec3u(triangles[first], triangles[first + 1u], triangles[first + 2u]), subdivisions[t].y,
+    prisms[t] = Prism(triangle_vertices(t), subdivisions[t].y,
         vec3u(neighbours[first], neighbours[first + 1u], neighbours[first + 2u]), subdivisions[t].x,
         vec3u(edge_numbers[first], edge_numbers[first + 1u], edge_numbers[first + 2u]), 0u);
 }

@@ -1,9 +1,12 @@
-// Shells and fins, drawn: the skin, fins at the silhouette, shells from the skin outwards. Colours are premultiplied.
+// Shells and fins, drawn: the skin, fins at the silhouette, textured shells from the skin outwards;
+// `to_samples` turns the image into film samples. Colours are premultiplied linear RGB.
+// In: baked textures, `row_positions` (cm) and `row_lights` of shellfin_rows. Out: the colour and
+// depth targets; `samples`.
 // [Lengyel2001] sec. 4, [Tariq2007]
 
 struct FurCorner {
     vertex: u32,
-    patch_index: u32, // whose outline masks it, where patches overlap
+    patch_index: u32, // its outline masks the texture where patches overlap
     uv: vec2f,       // on the patch, cm
     skin_uv: vec2f,
 }
@@ -11,7 +14,7 @@ struct FurCorner {
 struct FinEdge {
     a: u32,
     b: u32,
-    opposite: vec2u, // third vertices of the faces at the edge; the second is NO_LAYER at a border
+    opposite: vec2u, // third vertices of the faces at the edge; the second is NONE at a border
 }
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;
@@ -26,32 +29,33 @@ struct FinEdge {
 @group(0) @binding(10) var<storage, read> row_lights: array<vec4u>;
 @group(0) @binding(11) var layers: texture_2d_array<f32>;
 @group(0) @binding(12) var guard_layers: texture_2d_array<f32>;
-@group(0) @binding(13) var fin: texture_2d_array<f32>; // the whole, and the guard hairs' part
+@group(0) @binding(13) var fin: texture_2d_array<f32>; // all hairs, and the guard hairs' part
 @group(0) @binding(14) var repeating: sampler;
 @group(0) @binding(15) var upright: sampler; // repeats along u only
 @group(0) @binding(16) var color_target: texture_2d<f32>;
 @group(0) @binding(17) var depth_target: texture_depth_2d;
 @group(0) @binding(18) var<storage, read_write> samples: array<vec4u>;
 @group(0) @binding(19) var<storage, read> vertex_uv: array<vec2f>;
-@group(0) @binding(20) var<storage, read> outlines: array<vec2f>; // of patches, OUTLINE points each, cm
+@group(0) @binding(20) var<storage, read> outlines: array<vec2f>; // OUTLINE points per patch, cm
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/random
-#import shared/octahedral
 #import shared/shell_types
 #import shared/groom
 #import shared/base
+#import shared/film_sample
 #import shared/shellfin_types
 
-// What the scene does not use is left out when the kernels are compiled.
+// What the scene does not use is compiled out.
 override GUARD: bool = true;  // guard hairs have layers of their own
 override DETAIL: bool = true; // rows change from one level of detail to the next
 override SHADOW: bool = true; // shadow between hairs
 override OUTLINE: u32 = 0u;    // points of a patch's outline, 0 where patches do not overlap
 override MAPPED: bool = true; // colour or length come from an image or from vertex colours
 
-// Coverage below which a fragment is left out and writes no depth.
+// Coverage below which a fragment is discarded and writes no depth.
 const LEAST_COVERAGE: f32 = 0.002;
 
 struct SkinVarying {
@@ -62,14 +66,12 @@ struct SkinVarying {
 @vertex
 fn skin_vertex(@builtin(vertex_index) i: u32) -> SkinVarying {
     let v = fur_corners[i].vertex;
-    let word = base_light[v];
-    return SkinVarying(clip_from_world(shell_vertices[v].position), vec3f(unpack2x16float(word.x), unpack2x16float(word.y).x));
+    return SkinVarying(clip_from_world(shell_vertices[v].position), unpack_half4(base_light[v]).xyz);
 }
 
 @fragment
 fn skin_fragment(in: SkinVarying, @builtin(front_facing) front: bool) -> @location(0) vec4f {
-    // The inner side of an open skin shows itself unlit.
-    return vec4f(in.light * select(0.15, 1.0, front), 1.0);
+    return vec4f(in.light * side_factor(front), 1.0);
 }
 
 struct ShellVarying {
@@ -82,7 +84,7 @@ struct ShellVarying {
     @location(5) guard: vec3f,
     @location(6) skin_uv: vec2f,
     @location(7) color: vec3f,
-    @location(8) lean: vec3f,      // of what is not guard hair
+    @location(8) lean: vec3f,      // direction of hairs other than guard hairs
     @location(9) @interpolate(flat) row: u32,
     @location(10) @interpolate(flat) patch_index: u32,
 }
@@ -92,9 +94,10 @@ struct Lit {
     guard: vec3f,
 }
 
+// Of a word of `row_lights`.
 fn light_of(word: vec4u) -> Lit {
-    let middle = unpack2x16float(word.y);
-    return Lit(vec3f(unpack2x16float(word.x), middle.x), vec3f(middle.y, unpack2x16float(word.z)));
+    let colors = unpack_half3x2(word.xyz);
+    return Lit(colors[0], colors[1]);
 }
 
 @vertex
@@ -104,19 +107,20 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
     let p = row_positions[at];
     let lit = light_of(row_lights[at]);
     let skin = shell_vertices[corner.vertex];
-    let tangent = octahedral_decode(unpack2x16snorm(bitcast<u32>(p.w)));
-    let lean = octahedral_decode(unpack2x16snorm(row_lights[at].w));
-    return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent, lit.undercoat, lit.guard,
-        corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row, corner.patch_index);
+    let tangent = unpack_direction(bitcast<u32>(p.w));
+    let lean = unpack_direction(row_lights[at].w);
+    return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent,
+        lit.undercoat, lit.guard, corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row, corner.patch_index);
 }
 
-// Colour of coverage `whole` of which `guard` is guard hair.
+// Lit colour of a texel `whole`, of which `guard` is guard hair.
 fn lit_color(whole: vec4f, guard: vec4f, lit: Lit) -> vec4f {
     return vec4f(max(whole.rgb - guard.rgb, vec3f(0.0)) * lit.undercoat + guard.rgb * lit.guard, whole.a);
 }
 
-// The same for a way through the layer `slant` times as long as that of the texture. What is let through by the layer on the average is
-// taken to that power, whatever the texels: less covers evenly less, more is added as fog of the layer's mean colour.
+// The same for a path length through the layer `slant` times that of the texture. The mean
+// transmittance of the layer is taken to that power, not that of the texel: a shorter path scales
+// the coverage evenly, a longer one adds fog of the layer's mean colour.
 fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
     let mean_through = 1.0 - min(row.coverage, 0.9999);
     if slant <= 1.0 {
@@ -127,42 +131,47 @@ fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
     return color + more * vec4f(fog, 1.0);
 }
 
-// The fine layer, or what lies between it and the coarser one; a row that the coarser level lacks fades out. [Lengyel2001] sec. 4.5
+// The fine layer blended with the coarser one; a row that the coarser level lacks fades out.
+// [Lengyel2001] sec. 4.5
 fn layer_texel(texture: texture_2d_array<f32>, row: ShellRow, uv: vec2f) -> vec4f {
     let fine = textureSample(texture, repeating, uv, row.fine);
     if !DETAIL {
         return fine;
     }
-    let coarse = textureSample(texture, repeating, uv, select(row.coarse, row.fine, row.coarse == NO_LAYER));
-    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NO_LAYER), row.blend);
+    let coarse = textureSample(texture, repeating, uv, select(row.coarse, row.fine, row.coarse == NONE));
+    return mix(fine, select(coarse, vec4f(0.0), row.coarse == NONE), row.blend);
 }
 
-// Shadow between hairs: what the texture covers more a little way towards the light lies as black under the layer.
-// [Xbdev]; DEVIATION: towards the light instead of along the normal seen by the eye, and by coverage instead of grey
+// Opacity of the shadow between hairs: where the texture covers more at a small offset towards the
+// light, the difference is composited as black under the layer. [Xbdev]
+// DEVIATION: offset towards the light instead of along the view-space normal, and by coverage
+// instead of grey level.
 fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
-    // Texture coordinates grow along gradients of the position, found by the screen's derivatives.
+    // Texture coordinates as a function of position, from screen-space derivatives.
     let dx = dpdx(in.position);
     let dy = dpdy(in.position);
     let toward = shellfin.shadow_direction - n * dot(n, shellfin.shadow_direction);
     let area = dot(cross(dx, dy), n);
-    let steps = vec2f(dot(cross(toward, dy), n), dot(cross(dx, toward), n)) / select(area, 1e-12, abs(area) < 1e-12);
+    let steps = vec2f(dot(cross(toward, dy), n), dot(cross(dx, toward), n)) / away_from_zero(area, 1e-12);
     let shift = dpdx(in.uv) * steps.x + dpdy(in.uv) * steps.y;
     let ahead = in.uv + shift / max(length(shift), 1e-6) * shellfin.shadow_offset;
-    let more = textureSampleLevel(layers, repeating, ahead, layer, 0.0).a - textureSampleLevel(layers, repeating, in.uv, layer, 0.0).a;
+    let more = textureSampleLevel(layers, repeating, ahead, layer, 0.0).a
+        - textureSampleLevel(layers, repeating, in.uv, layer, 0.0).a;
     return shellfin.shadow_strength * clamp(more, 0.0, 1.0);
 }
 
-// Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
+// Mean sine of the angle between a view direction and hairs whose directions spread about the
+// tangent with `variance` per axis.
 fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
     let c = dot(tangent, view);
     return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
 }
 
-// Whether a place on a patch lies in its outline, a polygon that is star-shaped around the origin with corners at even angles.
-// [Praun2000]
+// Whether a point of a patch (cm) lies in its outline, a polygon that is star-shaped around the
+// origin with corners at even angles. [Praun2000]
 fn in_outline(p: vec2f, patch_index: u32) -> bool {
     let points = max(OUTLINE, 1u);
-    let turn = atan2(p.y, p.x) / 6.2831853;
+    let turn = atan2(p.y, p.x) / TAU;
     let k = min(u32(fract(turn) * f32(points)), points - 1u);
     let a = outlines[patch_index * points + k];
     let b = outlines[patch_index * points + (k + 1u) % points];
@@ -191,12 +200,13 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     var out = lit_color(whole, guard, lit);
     var edge = 1.0;
     if shellfin.slanted == 1u {
-        let view = normalize(frame.eye - in.position);
+        let view = to_eye(in.position);
         let facing = abs(dot(n, view));
         let undercoat = spread_sine(normalize(in.lean), view, row.jitter);
         let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
         let slant = mix(undercoat, guard_hair, row.share) / max(facing, 0.08);
-        // Towards the silhouette a shell is seen from its edge, as a line: there the fins take over.
+        // Towards the silhouette a textured shell is seen edge-on, as a line: there the fins take
+        // over.
         edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
         out = slanted_color(row, out, slant, lit) * edge;
     }
@@ -222,28 +232,29 @@ struct FinVarying {
     @location(4) fade: f32,
 }
 
-// How much of a fin shows.
+// Opacity of a fin by its angle to the view direction, 0..1.
 fn fin_fade(edge: FinEdge) -> f32 {
     let a = shell_vertices[edge.a].position;
     let b = shell_vertices[edge.b].position;
-    let view = normalize(frame.eye - 0.5 * (a + b));
+    let view = to_eye(0.5 * (a + b));
     let n1 = normalize(cross(b - a, shell_vertices[edge.opposite.x].position - a));
     var n2 = n1;
-    if edge.opposite.y != NO_LAYER {
+    if edge.opposite.y != NONE {
         n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
     }
-    // [Lengyel2001] sec. 4.2; DEVIATION: with the normals along which the fur stands instead of those of the two faces, or every dent
-    // of a scanned skin would raise fins
+    // [Lengyel2001] sec. 4.2
+    // DEVIATION: with the vertex normals along which the fur stands instead of the normals of the
+    // two faces, or every dent of a scanned skin would raise fins.
     let across = normalize(cross(normalize(b - a), shell_vertices[edge.a].normal + shell_vertices[edge.b].normal));
     let cosine = max(0.0, 2.0 * abs(dot(across, view)) - 1.0);
     if shellfin.fade == 0u {
         return cosine;
     }
-    // [Tariq2007]: on the silhouette or near it. A border always is one.
+    // On the silhouette or near it; a border always counts. [Tariq2007]
     let c1 = dot(n1, view);
     let c2 = dot(n2, view);
     let nearest = min(abs(c1), abs(c2));
-    let on = c1 * c2 < 0.0 || edge.opposite.y == NO_LAYER;
+    let on = c1 * c2 < 0.0 || edge.opposite.y == NONE;
     if shellfin.fade == 1u {
         return select(0.0, 1.0, on || nearest < shellfin.fin_threshold);
     }
@@ -257,7 +268,7 @@ fn fin_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) edge_index
     if fade <= 0.0 {
         return FinVarying(vec4f(0.0, 0.0, 0.0, 1.0), vec2f(0.0), vec3f(0.0), vec3f(0.0), vec3f(0.0), 0.0);
     }
-    // Two triangles for each pair of rows.
+    // Two triangles between each pair of rows.
     let corner = i % 6u;
     let upper = corner == 2u || corner == 4u || corner == 5u;
     let right = corner == 1u || corner == 2u || corner == 4u;
@@ -271,10 +282,10 @@ fn fin_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) edge_index
     let u = random(seed, 0u) + select(0.0, width / shellfin.fin_length, right);
     var tint = vec3f(1.0);
     if MAPPED {
-        tint = color(SHELL_COLOR, SkinPoint(skin.position, skin.normal, vertex_uv[v], unpack4x8unorm(skin.color).rgb));
+        tint = color(SHELL_COLOR, point_of_vertex(skin, vertex_uv[v]));
     }
-    return FinVarying(clip_from_world(row_positions[at].xyz), vec2f(u, shell_rows[row].height), lit.undercoat, lit.guard,
-        tint, fade);
+    return FinVarying(clip_from_world(row_positions[at].xyz), vec2f(u, shell_rows[row].height), lit.undercoat,
+        lit.guard, tint, fade);
 }
 
 @fragment
@@ -292,17 +303,19 @@ fn fin_fragment(in: FinVarying) -> @location(0) vec4f {
     return out;
 }
 
-// The picture as samples of the film. All of the fur counts as undercoat: what is blended cannot be told apart any more.
+// The image as film samples. All fur counts as undercoat: once blended, the layers cannot be told
+// apart.
 @compute @workgroup_size(64)
 fn to_samples(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2i(vec2u(i % frame.tile_size.x, i / frame.tile_size.x));
+    let xy = vec2i(tile_xy(i));
     let c = textureLoad(color_target, xy, 0);
     let d = textureLoad(depth_target, xy, 0);
     let z = select(NO_BASE, frame.near / max(d, 1e-12), d > 0.0);
-    samples[2u * i] = vec4u(0u, pack2x16float(vec2f(0.0, c.r)), pack2x16float(c.gb), 0u);
-    samples[2u * i + 1u] = vec4u(pack2x16float(vec2f(0.0, 1.0 - c.a)), bitcast<u32>(z), 0u, 0u);
+    let packed = pack_film_sample(FilmSample(vec3f(0.0), c.rgb, vec3f(0.0), 1.0 - c.a, z, 0u, 0u));
+    samples[2u * i] = packed[0];
+    samples[2u * i + 1u] = packed[1];
 }

@@ -1,5 +1,8 @@
-// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is lit there. A row is a shell or
-// a row of a fin's vertices. Lengths, combing and forces are those of the frame.
+// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is
+// lit there. A row is a textured shell or a row of a fin's vertices. Lengths, combing and forces
+// are those of the frame.
+// In: skin, groom, `tau` of the columns at the vertices, `shell_rows`. Out: `row_positions` (cm)
+// and `row_lights` (linear RGB).
 // [Lengyel2001] sec. 4.4, [Xbdev]
 
 struct Brush {
@@ -12,7 +15,7 @@ struct Brush {
 }
 
 struct LightingTable {
-    values: array<vec4f, 256>, // 32 x 32, four a vector: u = T.L along, v = T.H upwards
+    values: array<vec4f, 256>, // 32 x 32, four per vector: u = T.L, v = T.H; [Banks1994]
 }
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;
@@ -27,37 +30,43 @@ struct LightingTable {
 @group(0) @binding(10) var<storage, read> tau: array<u32>;
 @group(0) @binding(11) var<storage, read> shell_rows: array<ShellRow>;
 @group(0) @binding(12) var<storage, read> brushes: array<Brush>;
-@group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>; // xyz cm; w: tangent, octahedral
-@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>; // of undercoat and guard hairs, three halves each, by colour; the undercoat's tangent, octahedral
-// Last: Mesa 22.3's software adapter writes past a table where a branch depends on the eighth uniform buffer.
+// xyz in cm; w: tangent, octahedral.
+@group(0) @binding(13) var<storage, read_write> row_positions: array<vec4f>;
+// Radiance of undercoat and guard hairs per unit of their colours, three halves each; the
+// undercoat's tangent, octahedral.
+@group(0) @binding(14) var<storage, read_write> row_lights: array<vec4u>;
+// Last, because Mesa 22.3's software adapter writes past a table where a branch depends on the
+// eighth uniform buffer.
 @group(0) @binding(15) var<uniform> lighting_table: LightingTable;
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
 #import shared/undercoat
 #import shared/shell_types
 #import shared/lights
+#import shared/tau
+#import shared/transmittance
 #import shared/groom
 #import shared/map_table
 #import shared/fibre
 #import shared/undercoat_fibre
+#import shared/guard_fibre
+#import shared/strand_curve
 #import shared/shellfin_types
 
-// The model, fixed when the kernel is compiled.
-override GUARD_MODEL: u32 = 1u;
-
-// What bends the hair of a vertex.
+// The hair of a vertex and what bends it.
 struct HairRoot {
     at: SkinPoint,
-    lean: vec3f,   // tangential, tangent of the angle
+    lean: vec3f,   // tangential; its length is the tangent of the angle
     height: f32,   // cm above the skin at row height 1
     tint: vec3f,   // factor on the light
 }
 
 fn root_of(v: u32) -> HairRoot {
     let vertex = shell_vertices[v];
-    let at = SkinPoint(vertex.position, vertex.normal, vertex_uv[v], unpack4x8unorm(vertex.color).rgb);
+    let at = point_of_vertex(vertex, vertex_uv[v]);
     var lean = shellfin.comb;
     if shellfin.curved == 1u {
         lean += groom.comb_direction * scalar(GUARD_COMB, at);
@@ -72,44 +81,37 @@ fn root_of(v: u32) -> HairRoot {
     lean -= at.normal * dot(lean, at.normal);
     var height = shellfin.height * max(0.0, scalar(SHELL_LENGTH, at));
     if shellfin.curved == 1u {
-        // Where the undercoat was lowered, because it would fold over, so are the shells.
+        // Where the prism shell was lowered because it would fold over, the textured shells are
+        // too.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
     return HairRoot(at, lean, height, tint);
 }
 
-// Where the hair is at row height s, relative to its root, by the height of the fur.
+// Place of the hair at row height s relative to its root, in units of the fur's height.
 fn hair(root: HairRoot, s: f32) -> vec3f {
     let n = root.at.normal;
     var p = s * (n + root.lean);
     if shellfin.curved == 1u {
-        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that its tip is as high as the fur; heights
-        // grow evenly, for each layer of the texture stands for its own.
-        let fall = vec3f(0.0, -groom.gravity, 0.0);
-        let p1 = normalize(n + 0.5 * root.lean) / 3.0;
-        var p2 = p1 + normalize(n + 0.9 * root.lean + 0.35 * fall) / 3.0;
-        var p3 = p2 + normalize(n + 1.25 * root.lean + fall) / 3.0;
-        p2 -= n * min(0.0, dot(p2, n));
-        p3 -= n * min(0.0, dot(p3, n));
-        let r = 1.0 - s;
-        let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3) / max(dot(p3, n), 0.25);
+        // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that
+        // its tip is as high as the fur. Heights grow evenly, as the texture's layers do.
+        let legs = leg_directions(n, root.lean, groom.gravity);
+        let polygon = control_polygon(n, legs[0] / 3.0, legs[1] / 3.0, legs[2] / 3.0);
+        let b = bezier(polygon, s) / max(dot(polygon.p3, n), 0.25);
         p = b + n * (s - dot(b, n));
     }
     // Forces bend the tips most. [Xbdev]
-    // DEVIATION: hairs keep their length; the tutorial's stretch.
+    // DEVIATION: hairs keep their length; those of the tutorial stretch.
     let long = length(p);
     p += shellfin.bend * s * s * s;
     p *= long / max(length(p), 1e-4);
     return p + n * max(0.0, 0.1 * s - dot(p, n));
 }
 
-// Optical depth above column `v` at `height` (in shell heights) towards a light.
+// Optical depth in column `v` at `height` (in shell heights) towards a light.
 fn column_tau(v: u32, height: f32, light: u32) -> f32 {
-    let stride = fur.tau_stride;
-    let x = clamp(height / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
-    let level = min(u32(x), fur.levels - 1u);
-    let node = (v * (fur.levels + 1u) + level) * stride + light / 2u;
-    return mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], x - f32(level));
+    let level = level_at(height);
+    return tau_between(node_index(v, level.lower), light, level.fraction);
 }
 
 fn table_texel(x: u32, y: u32) -> f32 {
@@ -139,15 +141,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let offset = hair(root, row.height) * root.height;
     let x = root.at.position + offset;
     let tangent = normalize(hair(root, row.height + 0.02) - hair(root, max(row.height - 0.02, 0.0)));
-    row_positions[i] = vec4f(x, bitcast<f32>(pack2x16snorm(octahedral_encode(tangent))));
+    row_positions[i] = vec4f(x, bitcast<f32>(pack_direction(tangent)));
 
-    let view = normalize(frame.eye - x);
+    let view = to_eye(x);
     var undercoat = vec3f(0.0);
     var guard = vec3f(0.0);
     let height = dot(offset, n) / max(shell_vertices[v].height, 1e-4);
     var lean = tangent;
     if shellfin.curved == 1u {
-        lean = normalize(n + fur.lean * min(height, 1.0));
+        lean = mean_tangent(n, min(height, 1.0));
     }
     if shellfin.lighting == 1u {
         for (var j = 0u; j < fur.lights; j++) {
@@ -158,22 +160,21 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         undercoat *= row.shade;
         guard = undercoat;
     } else {
-        let side = normalize(cross(tangent, select(vec3f(1.0, 0.0, 0.0), vec3f(0.0, 1.0, 0.0), abs(tangent.x) > 0.7)));
-        let other = cross(tangent, side);
+        let sides = sides_of(tangent);
         for (var j = 0u; j < fur.lights; j++) {
             let l = lights.lights[j].direction;
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {
-                undercoat += lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.undercoat))
+                undercoat += lights.lights[j].irradiance * light_through(depth, row.undercoat)
                     * scatter_undercoat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
-                // The hairs that a row stands for lean a little every way.
-                let through = lights.lights[j].irradiance * exp(-depth * (1.0 - fur.forward_scattering * row.guard));
+                // The hairs that a row stands for lean slightly in all directions.
+                let through = lights.lights[j].irradiance * light_through(depth, row.guard);
                 for (var k = 0u; k < 4u; k++) {
-                    let turn = 0.7853982 + 1.5707963 * f32(k);
-                    let t = normalize(tangent + 1.25 * shellfin.spread * (cos(turn) * side + sin(turn) * other));
-                    guard += 0.25 * through * scatter_fibre(GUARD_MODEL, guard_fibre, t, l, view, row.guard, MEAN_GLINT);
+                    let turn = FRAC_PI_4 + FRAC_PI_2 * f32(k);
+                    let t = normalize(tangent - 1.25 * shellfin.spread * side_at(sides, turn));
+                    guard += 0.25 * through * scatter_guard(t, l, view, row.guard, MEAN_GLINT);
                 }
             }
         }
@@ -184,6 +185,5 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     undercoat *= root.tint;
     guard *= root.tint;
-    row_lights[i] = vec4u(pack2x16float(undercoat.rg), pack2x16float(vec2f(undercoat.b, guard.r)), pack2x16float(guard.gb),
-        pack2x16snorm(octahedral_encode(lean)));
+    row_lights[i] = vec4u(pack_half3x2(undercoat, guard), pack_direction(lean));
 }

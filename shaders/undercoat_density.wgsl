@@ -1,5 +1,6 @@
-// Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016] sec. 3.2. Four bytes a
-// subelement. One invocation fills one layer of one prism.
+// Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016]
+// sec. 3.2; four bytes per subelement. One invocation fills one layer of one prism.
+// In: `prisms`, noise tables, uv. Out: `cells`, packed media (shared/undercoat).
 
 struct Counts {
     triangles: u32,
@@ -20,12 +21,8 @@ struct Counts {
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
+#import shared/uv_in_corners
 #import shared/volume
-
-// Here the volume is being written: uv come from their own buffer.
-fn uv_of_corner(corner: u32) -> vec2f {
-    return corner_uv[corner];
-}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {

@@ -1,6 +1,8 @@
-// Step 2: optical depth from every node of the light lattice to every light, and to the eye, instead of a nested march at every step of
-// the eye's ray. Undercoat and guard hairs count alike. Level by level from the top: a ray that climbs is followed to the next
-// level and takes the rest from there; one that does not is followed to its end.
+// Step 2: optical depth from every node of the lattice towards every light and towards the eye,
+// instead of a nested march at every step of the view ray. Undercoat and guard hairs count alike.
+// Level by level from the top: a ray that climbs is followed to the next level and takes the rest
+// from there; any other is followed to its end. Cf. [YukselKeyser2008]
+// In: `lattice_extinction` (1/cm), `columns`. Out: `tau` (shared/tau).
 
 struct Sweep {
     level: u32,
@@ -13,8 +15,9 @@ struct Sweep {
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(6) var<storage, read> columns: array<Column>;
 @group(0) @binding(7) var<storage, read> lattice_extinction: array<u32>;
-@group(0) @binding(8) var<storage, read_write> tau: array<u32>; // pairs of halves
+@group(0) @binding(8) var<storage, read_write> tau: array<u32>; // pairs of halves, see shared/tau
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
@@ -24,22 +27,25 @@ struct Sweep {
 #import shared/column
 #import shared/column_place
 #import shared/lights
+#import shared/tau
+#import shared/transmittance
 
-// Extinction by undercoat and guard hairs at a place, towards w, from the lattice: the march steps over cells of the volume, and the
-// optical depths are kept no finer than the lattice either.
+// Extinction by undercoat and guard hairs at a place towards w, 1/cm, from the lattice instead of
+// the finer volume: the optical depths are kept no finer than the lattice either.
 fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
     let cell = lattice_cell(place);
     var sum = vec2f(0.0);
     for (var k = 0u; k < 3u; k++) {
         let node = node_index(cell.columns[k], cell.level);
-        sum += cell.weights[k] * mix(unpack2x16float(lattice_extinction[node]), unpack2x16float(lattice_extinction[node + 1u]), cell.fraction);
+        sum += cell.weights[k] * mix(unpack2x16float(lattice_extinction[node]),
+            unpack2x16float(lattice_extinction[node + 1u]), cell.fraction);
     }
     let normal = normalize(extrusion(place));
-    let tangent = normalize(normal + fur.lean * min((*place).t, 1.0));
-    return sum.x * select(sine(tangent, w), 0.7853982, fur.isotropic == 1u) + sum.y * 0.7853982; // pi/4: the mean sine
+    let tangent = mean_tangent(normal, min((*place).t, 1.0));
+    return sum.x * relative_projection(tangent, w) + sum.y * FRAC_PI_4; // the mean sine
 }
 
-// Optical depth from x in the place towards w, followed to the end.
+// Optical depth from x, which lies at `start`, towards w, followed to the end of the medium.
 fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
@@ -63,25 +69,20 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     return sum;
 }
 
-// What is left from a place at or above a finished level.
+// Optical depth from a place at or above a finished level.
 fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
     (*place).t = max((*place).t, level_height(sweep.level + 1u));
-    let cell = lattice_cell(place);
-    let stride = fur.tau_stride;
-    var sum = 0.0;
-    for (var k = 0u; k < 3u; k++) {
-        let node = node_index(cell.columns[k], cell.level) * stride + light / 2u;
-        sum += cell.weights[k] * mix(unpack2x16float(tau[node])[light & 1u], unpack2x16float(tau[node + stride])[light & 1u], cell.fraction);
-    }
-    return sum;
+    return cell_tau(lattice_cell(place), light);
 }
 
-// Longest way to the next level that is taken in two steps, in steps of the full march.
+// Longest distance to the next level that is crossed in two steps, in steps of the full march.
 const CLIMB_LIMIT: f32 = 6.0;
 
-// Cosine to the shell's direction below which a descending ray counts as blocked.
+// Change of height per path length below which a descending ray counts as blocked.
 const STEEP: f32 = -0.5;
 
+// Optical depth from x, which lies at `start`, towards w. `behind`: the skin blocks the light
+// outside the shell.
 fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, behind: bool) -> f32 {
     var place = *start;
     solve(&place, x, w, 0u);
@@ -91,25 +92,25 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
             return select(0.0, TAU_BLOCKED, behind);
         }
     } else {
-        let way = (level_height(sweep.level + 1u) - place.t) / slope;
-        if slope > 0.0 && way < CLIMB_LIMIT * fur.light_step {
+        let distance = (level_height(sweep.level + 1u) - place.t) / slope;
+        if slope > 0.0 && distance < CLIMB_LIMIT * fur.light_step {
             var sum = 0.0;
             var state = INSIDE;
             for (var part = 0u; part < 2u; part++) {
-                state = locate(&place, x + way * (0.25 + 0.5 * f32(part)) * w, w, 1u);
+                state = locate(&place, x + distance * (0.25 + 0.5 * f32(part)) * w, w, 1u);
                 if state != INSIDE {
                     return select(sum, TAU_BLOCKED, behind);
                 }
-                sum += fur_extinction(&place, w) * way * 0.5;
+                sum += fur_extinction(&place, w) * distance * 0.5;
             }
-            state = locate(&place, x + way * w, w, 1u);
+            state = locate(&place, x + distance * w, w, 1u);
             if state != INSIDE {
                 return select(sum, TAU_BLOCKED, behind);
             }
             return min(TAU_BLOCKED, sum + known_tau(&place, light));
         }
     }
-    // Steeply down through the fur: only the thinnest limb would let it out again.
+    // Steeply down through the fur: it would leave again only through the thinnest limb.
     if slope * fur.height < STEEP {
         return TAU_BLOCKED;
     }
@@ -124,7 +125,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= fur.columns * pairs {
         return;
     }
-    // Neighbouring invocations follow the same lights.
+    // Consecutive invocations follow the same lights.
     let column = i % fur.columns;
     let pair = i / fur.columns;
     var place: Place;
@@ -133,10 +134,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     for (var k = 0u; k < 2u; k++) {
         let j = 2u * pair + k;
         if j < fur.lights {
-            let behind = (columns[column].blocked[j >> 5u] & (1u << (j & 31u))) != 0u;
+            let behind = (columns[column].blocked[blocked_word(j)] & blocked_bit(j)) != 0u;
             values[k] = optical_depth(&place, x, lights.lights[j].direction, j, behind);
         } else if j == fur.lights {
-            values[k] = optical_depth(&place, x, normalize(frame.eye - x), j, false);
+            values[k] = optical_depth(&place, x, to_eye(x), j, false);
         }
     }
     tau[node_index(column, sweep.level) * fur.tau_stride + pair] = pack2x16float(values);

@@ -1,5 +1,8 @@
-// Step 5: the march that makes fragments of the undercoat, for the blending modes that store them: one shell fragment an entry, or
-// virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact mode marches while it resolves instead.
+// Step 5: the march that stores fragments of the undercoat, for the blending modes that need them:
+// one shell fragment per entry, or virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact
+// mode marches in the resolve pass instead.
+// In: entries in `fragment_lists`, the volume, `source` (light at the lattice's nodes). Out: volume
+// fragments in `fragment_lists`, premultiplied; `lost_rays`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -33,16 +36,14 @@
 #import shared/oit_write
 #import shared/base
 
-const ENTRIES: u32 = 12u;
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= frame.tile_size.x * frame.tile_size.y {
+    if i >= tile_samples() {
         return;
     }
-    let xy = vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
-    let z_base = bitcast<f32>(base_records[i].x);
+    let xy = tile_xy(i);
+    let z_base = base_depth(base_records[i]);
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
@@ -50,18 +51,18 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var z_after = 0.0;
     var source_after = 0u;
     var serial = 0u;
-    // Entries in order of depth; intervals that overlap another are shortened, not counted twice.
+    // Entries in order of depth; intervals that overlap are shortened, not counted twice.
     loop {
-        // The next entry behind the last.
+        // The next entry behind the last one.
         var z_entry = NO_BASE;
         var entry = 0u;
         var node = atomicLoad(&fragment_lists[head_word(i)]);
         while node != 0u {
             let at = node_word(node);
-            let z = bitcast<f32>(atomicLoad(&fragment_lists[at + 1u]));
-            let key = atomicLoad(&fragment_lists[at + 2u]);
-            let behind = z > z_after || (z == z_after && key > source_after);
-            if (key >> KIND_SHIFT) == KIND_ENTRY && behind && (z < z_entry || (z == z_entry && key < entry)) {
+            let z = bitcast<f32>(atomicLoad(&fragment_lists[at + NODE_Z]));
+            let key = atomicLoad(&fragment_lists[at + NODE_SOURCE]);
+            if fragment_kind(key) == KIND_ENTRY && lies_before(z_after, source_after, z, key)
+                && lies_before(z, key, z_entry, entry) {
                 z_entry = z;
                 entry = key;
             }
@@ -71,11 +72,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             break;
         }
         let consumed = march.z;
-        enter_shell(&march, &place, entry & ID_MASK, z_entry, first_phase(xy));
-        var through = 1.0;      // of this entry
+        enter_shell(&march, &place, fragment_id(entry), z_entry, first_phase(xy));
+        var through = 1.0;      // transmittance of this entry
         var chunk = vec4f(0.0); // premultiplied
         var chunk_z = z_entry;
-        var closed = 0u;        // virtual fragments closed
+        var closed = 0u;        // virtual fragments that are full
         while march.marching && through > fur.opacity_cut {
             next_step(&march, &place);
             if !march.marching {
@@ -90,10 +91,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 }
                 continue;
             }
-            // The part of the step, cut where a virtual fragment is full: fragments of equal opacity, so that none is spent
-            // where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a fixed number of steps.
+            // The step, split where a virtual fragment is full. Fragments have equal opacity, so
+            // that none is spent where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a
+            // fixed number of steps.
             var z = z0;
-            let rest = exp(-march.sigma * (z1 - z0));
+            let rest = exp(-march.sigma * (z1 - z0)); // [Max1995]
             let through_end = through * rest;
             while z < z1 {
                 var z_next = z1;
@@ -108,16 +110,16 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 let part = 1.0 - through_next / through;
                 let room = 1.0 - chunk.a;
                 chunk += room * part * vec4f(march.radiance, 1.0);
-                if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments)
-                    && through > 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments) {
-                    // The fragment stands where half of its opacity is reached.
-                    chunk_z = z + log(through / (1.0 - (f32(closed) + 0.5) / f32(virtual_fragments))) / max(march.sigma, 1e-9);
+                let through_half = 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments);
+                if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= through_half && through > through_half {
+                    // The fragment's depth is that at which half of its opacity is reached.
+                    chunk_z = z + log(through / through_half) / max(march.sigma, 1e-9);
                 }
                 through = through_next;
                 z = z_next;
                 if virtual_fragments > 0u && z_next < z1 {
                     if chunk.a > 0.0 {
-                        add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+                        add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
                         serial++;
                     }
                     chunk = vec4f(0.0);
@@ -130,7 +132,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             }
         }
         if chunk.a > 0.0 {
-            add_fragment(i, chunk_z, (KIND_VOLUME << KIND_SHIFT) | (serial & ID_MASK), chunk);
+            add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
             serial++;
         }
         z_after = z_entry;

@@ -1,5 +1,8 @@
-// Step 2: what the march and the skin look up of the lights: the lattice's optical depths reduced to two key lights, and all other
-// lights summed to a radiance towards the eye.
+// Step 2: the light that the march and the skin look up: optical depths of the two key lights, and
+// all other lights summed to one radiance towards the eye.
+// In: `tau`, `columns`, the scattering tables. Out: `source`, one node of the lattice each;
+// `base_light`, linear RGB radiance of the skin at each column; what falls on guard hairs, in
+// `tau`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> lights: Lights;
@@ -8,22 +11,26 @@
 @group(0) @binding(5) var<storage, read> columns: array<Column>;
 @group(0) @binding(6) var<storage, read_write> tau: array<u32>;
 @group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
-@group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // radiance of the skin, three halves
+@group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // three halves
 @group(0) @binding(9) var<uniform> undercoat_fibre: Fibre;
 @group(0) @binding(10) var table_sampler: sampler;
 @group(0) @binding(11) var field_table: texture_2d_array<f32>;
 @group(0) @binding(12) var sent_table: texture_2d_array<f32>;
 @group(0) @binding(13) var response_table: texture_2d_array<f32>;
 
+#import shared/constants
 #import shared/frame
 #import shared/index
 #import shared/octahedral
 #import shared/undercoat
 #import shared/shell
-#import shared/lattice
 #import shared/column
 #import shared/column_place
 #import shared/lights
+#import shared/skin
+#import shared/tau
+#import shared/transmittance
+#import shared/halves
 #import shared/record
 #import shared/source_table
 #import shared/fibre
@@ -31,76 +38,72 @@
 #import shared/transport
 #import shared/dual
 
-fn tau_of(node: u32, light: u32) -> f32 {
-    return unpack2x16float(tau[node * fur.tau_stride + light / 2u])[light & 1u];
-}
-
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let node = linear_index(id, groups);
-    if node >= fur.columns * (fur.levels + 1u) {
+    if node >= node_count() {
         return;
     }
-    let column = node / (fur.levels + 1u);
-    let level = node % (fur.levels + 1u);
+    let column = column_of_node(node);
+    let level = level_of_node(node);
     var place: Place;
     let x = enter_node(&place, column, level);
     let t = min(place.t, 1.0);
-    let l = place.lambda;
-    let v = place.vertices;
-    let normal = normalize(l.x * shell_vertices[v.x].normal + l.y * shell_vertices[v.y].normal + l.z * shell_vertices[v.z].normal);
-    let tangent = normalize(normal + fur.lean * t);
-    let view = normalize(frame.eye - x);
+    let normal = skin_normal(place.vertices, place.lambda);
+    let tangent = mean_tangent(normal, t);
+    let view = to_eye(x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
-    // Light that comes out has been deep in the coat and high in it.
-    let coat = mean_color(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip));
-    let attenuation = 1.0 - fur.forward_scattering * albedo;
+    // Light that leaves the coat has been both deep in it and near its top.
+    let mean_albedo = mean_color(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip));
     var ambient = vec3f(0.0);
     var scattered = vec3f(0.0);   // by more than one hair
     var key_tau = vec2f(0.0);
     var field = mat3x4f();
-    var above = vec3f(0.0);       // what falls on guard hairs
+    var above = vec3f(0.0);       // radiance that falls on guard hairs
     var below = vec3f(0.0);
     for (var j = 0u; j < fur.lights; j++) {
-        let depth = tau_of(node, j);
+        let depth = node_tau(node, j);
         let light = lights.lights[j];
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_DUAL {
             scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
         }
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
-            let sent = sent_radiance(coat, depth, dot(normal, light.direction), dot(normal, view));
+            let sent = sent_radiance(mean_albedo, depth, dot(normal, light.direction), dot(normal, view));
             scattered += light.irradiance * sent[0];
             above += light.irradiance * sent[1];
             below += light.irradiance * sent[2];
-            let of_light = scattered_field(coat, depth, dot(normal, light.direction));
-            field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1], light.irradiance.b * of_light[2]);
+            let of_light = scattered_field(mean_albedo, depth, dot(normal, light.direction));
+            field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1],
+                light.irradiance.b * of_light[2]);
         }
         if j == fur.key_lights.x && fur.keys > 0u {
             key_tau.x = depth;
         } else if j == fur.key_lights.y && fur.keys > 1u {
             key_tau.y = depth;
         } else if light.undercoat == 1u {
-            ambient += light.irradiance * exp(-depth * attenuation) * scatter_undercoat(tangent, light.direction, view, albedo);
+            ambient += light.irradiance * light_through(depth, albedo)
+                * scatter_undercoat(tangent, light.direction, view, albedo);
         }
     }
     if MULTIPLE == MULTIPLE_TRANSPORT {
-        let first = node * fur.tau_stride + tau_pairs();
-        tau[first] = pack2x16float(above.rg);
-        tau[first + 1u] = pack2x16float(vec2f(above.b, below.r));
-        tau[first + 2u] = pack2x16float(below.gb);
+        let first = scattered_word(node);
+        let packed = pack_half3x2(above, below);
+        tau[first] = packed.x;
+        tau[first + 1u] = packed.y;
+        tau[first + 2u] = packed.z;
     }
-    ambient += scattered / max(coat_color(albedo), vec3f(1e-3));
+    ambient += scattered / max(undercoat_factor(albedo), vec3f(1e-3));
     let log_ambient = log2(max(ambient, vec3f(1e-7)));
-    source[node] = vec4u(pack2x16float(log_ambient.rg), pack2x16float(vec2f(log_ambient.b, columns[column].density)),
-        pack2x16float(key_tau), pack_albedo(albedo));
+    source[node] = vec4u(pack_half4(vec4f(log_ambient, columns[column].density)), pack2x16float(key_tau),
+        pack_albedo(albedo));
     if level == 0u {
         var radiance = vec3f(0.0);
         for (var j = 0u; j < fur.lights; j++) {
             let facing = max(0.0, dot(normal, lights.lights[j].direction));
-            radiance += lights.lights[j].irradiance * facing * exp(-tau_of(node, j) * attenuation);
+            radiance += lights.lights[j].irradiance * facing * light_through(node_tau(node, j), albedo);
         }
         radiance += field_irradiance(field);
-        radiance *= unpack_albedo(columns[column].color_base) * 0.31830989;
-        base_light[column] = vec2u(pack2x16float(radiance.rg), pack2x16float(vec2f(radiance.b, 0.0)));
+        radiance *= unpack_albedo(columns[column].color_base) * FRAC_1_PI;
+        base_light[column] = pack_half4(vec4f(radiance, 0.0));
     }
 }

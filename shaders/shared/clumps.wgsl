@@ -1,6 +1,7 @@
-// The undercoat's structure: clumps, uneven height, spread of the tangents, from simplex noise.
+// The undercoat's structure from simplex noise: clumps, uneven height, spread of the tangents.
 // Needs: fur (uniform FurParameters), noise (uniform Noise); shared/random, shared/noise, shared/undercoat.
 
+// Noise at a point of the domain, -1..1.
 fn field(p: vec3f, frequency: f32) -> f32 {
     if fur.noise_domain == 1u {
         return simplex2(p.xy * frequency);
@@ -8,17 +9,19 @@ fn field(p: vec3f, frequency: f32) -> f32 {
     return simplex3(p * frequency);
 }
 
-// Locks of combed fur are longer than wide: the noise is stretched along the lean.
+// Noise domain stretched along the lean: locks of combed fur are longer than wide.
 fn combed(p: vec3f) -> vec3f {
     let along = dot(fur.lean, fur.lean);
     return p - fur.lean * (dot(fur.lean, p) * 0.65 / max(along, 1e-12));
 }
 
-// Density relative to the mean: hairs end at their own heights, which makes cones of the clumps, and grow thinner. `p` is where the
-// skin's point lies in the noise domain, `jittered` the same for the finer noise.
+// Density relative to the mean at height t. Hairs end at heights of their own, which turns clumps
+// into cones, and taper. `p`: the skin's point in the noise domain; `jittered`: the same for finer
+// noise.
 fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
     let lean = fur.lean * (fur.height * t);
-    // Hairs join to locks, locks to clumps: a finer octave for what is seen near, a coarser one for the heights.
+    // Hairs form locks, locks form clumps: a finer octave for close views, a coarser one for the
+    // heights.
     let locks = field(combed(jittered - lean) * 2.6 + 5.1, fur.noise_frequency);
     let clumps = field(combed(jittered - lean), fur.noise_frequency);
     let swells = field(p - lean + 17.3, fur.height_frequency);
@@ -28,14 +31,14 @@ fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
     return max(0.0, clump) * alive * mix(1.0, fur.diameter_ratio, t);
 }
 
-// Medium of a subelement. `p` is the noise domain's point below it (skin position in cm, or uv), `t` its height,
-// `normal` the interpolated normal, `id` its stable number.
-// The lookup's random displacement and the tangents' spread grow towards the top, clumps are cones, as
-// [Andersen2016] sec. 3.2 says in words; the formulas are ours.
+// Medium of a subelement. `p`: point of the noise domain below it (skin position in cm, or uv);
+// `t`: its height; `normal`: interpolated; `id`: its stable number. The random displacement of the
+// lookup and the spread of the tangents grow towards the top and clumps are cones, as
+// [Andersen2016] sec. 3.2 describes in words; the formulas are ours.
 fn evaluate_medium(p: vec3f, normal: vec3f, t: f32, id: u32) -> Medium {
     let h = hash2(id, fur.seed);
     let growth = pow(t, fur.jitter_exponent);
-    let jittered = p + fur.uv_jitter * growth * (2.0 * vec3f(random(h, 0u), random(h, 1u), random(h, 2u)) - 1.0);
+    let jittered = p + fur.uv_jitter * growth * (2.0 * random3(h, 0u) - 1.0);
     let turn = fur.tangent_jitter * growth * random_direction(h, 3u);
     return Medium(clump_density(p, jittered, t), normalize(normal + fur.lean * t + turn));
 }

@@ -1,4 +1,6 @@
-// Columns of the light lattice. Needs: shared/shell, shared/lattice, columns (array<Column>).
+// Columns of the optical-depth lattice. Needs: fur (uniform FurParameters).
+
+#import shared/barycentric
 
 struct Column {
     prism: u32,       // a triangle that it stands on
@@ -9,11 +11,19 @@ struct Column {
     color_tip: u32,
     color_base: u32,  // reflectance of the skin
     padding: u32,
-    blocked: vec2u,   // one bit a light: the skin itself stands in the way outside the shell
+    blocked: vec2u,   // one bit per light: blocked by the skin itself outside the shell
 }
 
 // Barycentric coordinates of a column in its triangle.
 fn column_lambda(grid: u32) -> vec3f {
-    let l = vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice);
-    return vec3f(1.0 - l.x - l.y, l);
+    return barycentric(vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice));
+}
+
+// Word and bit of a light in `blocked`.
+fn blocked_word(light: u32) -> u32 {
+    return light >> 5u;
+}
+
+fn blocked_bit(light: u32) -> u32 {
+    return 1u << (light & 31u);
 }

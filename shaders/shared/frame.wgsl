@@ -1,5 +1,5 @@
-// The camera and the tile in work. Spaces: world (cm); sample grid of the whole film (samples, y down);
-// tile (samples from the tile's corner).
+// The camera and the tile being rendered. Spaces: world (cm); film, the sample grid of the whole
+// film (samples, y down); tile (samples from the tile's corner).
 
 struct Frame {
     eye: vec3f,          // world, on the lens
@@ -16,14 +16,35 @@ struct Frame {
     tile_origin: vec2i,  // samples
     tile_size: vec2u,    // samples
     flags: u32,
-    node_capacity: u32,  // fragments that the list buffer can hold
+    node_capacity: u32,  // fragments that the list buffer holds
 }
 
 @group(0) @binding(0) var<uniform> frame: Frame;
 
 const FLAG_MARCH_JITTER: u32 = 1u;
 
-// Ray through the centre of a sample: forward component 1, so that the ray parameter is the depth z (cm).
+// Number of samples of the tile.
+fn tile_samples() -> u32 {
+    return frame.tile_size.x * frame.tile_size.y;
+}
+
+// Place of sample number i in the tile.
+fn tile_xy(i: u32) -> vec2u {
+    return vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
+}
+
+// Number of a sample of the tile.
+fn tile_index(xy: vec2u) -> u32 {
+    return xy.y * frame.tile_size.x + xy.x;
+}
+
+// Unit vector from a point towards the eye.
+fn to_eye(x: vec3f) -> vec3f {
+    return normalize(frame.eye - x);
+}
+
+// Ray through the centre of a sample. Its forward component is 1, so that the ray parameter is the
+// depth z (cm).
 fn sample_ray(xy: vec2u) -> vec3f {
     let s = vec2f(frame.tile_origin + vec2i(xy)) + 0.5 + frame.jitter;
     let ndc = vec2f(2.0, -2.0) * s / frame.film_size + vec2f(-1.0, 1.0);
@@ -31,8 +52,8 @@ fn sample_ray(xy: vec2u) -> vec3f {
     return frame.forward + slope.x * frame.right + slope.y * frame.up;
 }
 
-// World to film space: xy in samples (sample centres at half integers), z depth in cm. Nothing here depends on the tile, so that the
-// result does not either.
+// World to film space: xy in samples (sample centres at half integers), z depth in cm. Nothing here
+// depends on the tile, so that the result does not either.
 fn film_from_world(p: vec3f) -> vec3f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);
@@ -41,12 +62,14 @@ fn film_from_world(p: vec3f) -> vec3f {
     return vec3f((ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size - frame.jitter, z);
 }
 
-// Samples around the tile that the raster's viewport covers as well: a triangle that is clipped has its new edges rounded to the raster's
-// grid, and a sample just on one of them would then depend on the tile. The same number stands in src/gpu/recorder.rs.
+// Samples around the tile that the viewport covers as well: the new edges of a clipped triangle are
+// rounded to the rasteriser's grid, and a sample on such an edge would depend on the tile. The same
+// number stands in src/gpu/recorder.rs.
 const RASTER_MARGIN: f32 = 1024.0;
 
-// World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions are rounded to the raster's own grid of
-// 1/256 sample in film space, so that a triangle covers the same samples in whatever tile it is drawn.
+// World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions
+// are rounded to the rasteriser's grid of 1/256 sample in film space, so that a triangle covers the
+// same samples in whatever tile it is drawn.
 fn clip_from_world(p: vec3f) -> vec4f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);

@@ -1,7 +1,10 @@
 // Groom parameters: a constant, the vertex colour or an image map, read at a point of the skin.
-// Needs: groom (uniform Groom), map_texels (array<vec2u>, four halves a texel).
+// Needs: groom (uniform Groom), map_texels (array<vec2u>, four halves per texel).
 
+#import shared/arithmetic
 #import shared/groom_types
+#import shared/halves
+#import shared/shell_types
 
 const GUARD_DENSITY: u32 = 0u;
 const GUARD_LENGTH: u32 = 1u;
@@ -28,12 +31,17 @@ struct SkinPoint {
     color: vec3f,
 }
 
+// A vertex of the skin.
+fn point_of_vertex(vertex: ShellVertex, uv: vec2f) -> SkinPoint {
+    return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color).rgb);
+}
+
+// A texel of a map, repeating.
 fn texel(parameter: u32, x: i32, y: i32) -> vec4f {
     let size = vec2i(groom.parameters[parameter].size);
     let column = ((x % size.x) + size.x) % size.x;
     let row = ((y % size.y) + size.y) % size.y;
-    let word = map_texels[groom.parameters[parameter].texel_base + u32(row * size.x + column)];
-    return vec4f(unpack2x16float(word.x), unpack2x16float(word.y));
+    return unpack_half4(map_texels[groom.parameters[parameter].texel_base + u32(row * size.x + column)]);
 }
 
 // Repeating bilinear lookup; v = 0 is the bottom row.
@@ -44,11 +52,12 @@ fn bilinear(parameter: u32, uv: vec2f) -> vec4f {
     let f = p - base;
     let x = i32(base.x);
     let y = i32(base.y);
-    return mix(mix(texel(parameter, x, y), texel(parameter, x + 1, y), f.x),
-        mix(texel(parameter, x, y + 1), texel(parameter, x + 1, y + 1), f.x), f.y);
+    return mix_bilinear(texel(parameter, x, y), texel(parameter, x + 1, y),
+        texel(parameter, x, y + 1), texel(parameter, x + 1, y + 1), f);
 }
 
-// For skins without uv: three planar lookups, one repeat in 10 cm, weighted by the normal.
+// For skins without uv: three planar lookups, one repeat per 10 cm, weighted by the normal.
+// [Geiss2007]
 fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     let n2 = normal * normal;
     let w = n2 * n2 / dot(n2, n2);
@@ -56,6 +65,7 @@ fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     return w.x * bilinear(parameter, p.yz) + w.y * bilinear(parameter, p.xz) + w.z * bilinear(parameter, p.xy);
 }
 
+// Factor on a parameter's constant.
 fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.parameters[parameter].source {
         case 1u: { return vec4f(at.color, 1.0); }

@@ -1,4 +1,4 @@
-// Groom of the guard hairs, and the parameters that may come from maps.
+// The groom of the guard hairs, and the parameters that maps may vary.
 
 struct Parameter {
     value: vec4f,     // the constant, or the factor on the texel
@@ -28,6 +28,6 @@ struct Groom {
     tip_fade: f32,
     seed: u32,
     root_darkening: vec2f,
-    paper: u32,             // 1: the paper's local shading
+    paper: u32,             // 1: local shading as in [Andersen2016]
     padding: u32,
 }

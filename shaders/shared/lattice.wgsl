@@ -1,20 +1,17 @@
-// The light lattice: nodes on a triangular grid over each skin triangle, `levels + 1` of them above one another (a column). Columns at the
-// skin's vertices come first, then those within its edges, then those within its triangles; neighbours share them, so that
-// what is looked up is continuous. Needs: fur (uniform FurParameters).
+// The optical-depth lattice: columns of `levels + 1` nodes over a triangular grid on each skin
+// triangle. Columns at the skin's vertices come first, then those within edges, then those within
+// triangles. Neighbours share columns, so that lookups are continuous. Cf. deep opacity maps,
+// [YukselKeyser2008].
+// Needs: fur (uniform FurParameters); shared/shell.
 
-struct LatticeCell {
-    columns: vec3u,
-    weights: vec3f,
-    level: u32,     // lower of two
-    fraction: f32,  // towards the upper
-}
+#import shared/lattice_nodes
 
-// Number of a column: grid point k of the edge from vertex a to b, counted from a.
+// Column at grid point k of the edge from vertex a to b, counted from a.
 fn edge_column(edge: u32, a: u32, b: u32, k: u32) -> u32 {
     return fur.vertices + edge * (fur.lattice - 1u) + select(fur.lattice - k, k, a < b) - 1u;
 }
 
-// Column at barycentric (n - i - j, i, j) / n of a triangle.
+// Column at barycentric coordinates (n - i - j, i, j) / n of a triangle.
 fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u32 {
     let n = fur.lattice;
     if i + j == 0u { return vertices.x; }
@@ -27,12 +24,12 @@ fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u3
     return fur.vertices + fur.edges * (n - 1u) + prism * inner + (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + i - 1u;
 }
 
-// The lattice cell of a place.
+// The lattice cell that holds a place.
 fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     var cell: LatticeCell;
-    let height = clamp((*place).t / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
-    cell.level = min(u32(height), fur.levels - 1u);
-    cell.fraction = height - f32(cell.level);
+    let level = level_at((*place).t);
+    cell.level = level.lower;
+    cell.fraction = level.fraction;
     let inside = max((*place).lambda, vec3f(0.0));
     let lambda = inside / (inside.x + inside.y + inside.z);
     let vertices = (*place).vertices;
@@ -51,16 +48,12 @@ fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     let edges = (*place).edges;
     if upright {
         cell.weights = vec3f(max(0.0, 1.0 - r.x - r.y), r);
-        cell.columns = vec3u(column_index(prism, vertices, edges, i, j), column_index(prism, vertices, edges, i + 1u, j),
-            column_index(prism, vertices, edges, i, j + 1u));
+        cell.columns = vec3u(column_index(prism, vertices, edges, i, j),
+            column_index(prism, vertices, edges, i + 1u, j), column_index(prism, vertices, edges, i, j + 1u));
     } else {
         cell.weights = vec3f(r.x + r.y - 1.0, 1.0 - r.x, 1.0 - r.y);
         cell.columns = vec3u(column_index(prism, vertices, edges, i + 1u, j + 1u),
             column_index(prism, vertices, edges, i, j + 1u), column_index(prism, vertices, edges, i + 1u, j));
     }
     return cell;
-}
-
-fn node_index(column: u32, level: u32) -> u32 {
-    return column * (fur.levels + 1u) + level;
 }

@@ -1,22 +1,28 @@
-// The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of fixed length, hops over
-// the neighbour table. Depth z is the ray parameter (cm along the viewing direction).
-// Needs: source (array<vec4u>), shared/volume, shared/lattice, shared/undercoat_fibre, frame.
+// The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of
+// fixed length, hops over the neighbour table. Depth z is the ray parameter (cm along the view
+// axis).
+// Needs: source (array<vec4u>); shared/volume, shared/lattice, shared/undercoat_fibre,
+// shared/frame.
+
+#import shared/halves
+#import shared/transmittance
 
 struct March {
     marching: bool,   // inside the shell
     last: bool,       // the current step ends where the ray leaves the shell
-    z: f32,           // consumed so far
+    z: f32,           // end of what has been marched
     z_end: f32,       // end of the current step
     dz: f32,
-    speed: f32,       // cm of path a cm of depth
-    sigma: f32,       // extinction of the current step, 1/cm of depth
+    speed: f32,       // path length (cm) per cm of depth
+    sigma: f32,       // extinction of the current step per cm of depth
     radiance: vec3f,  // source radiance of the current step
     ray: vec3f,
     view: vec3f,      // unit, to the eye
     lost: u32,        // steps whose place was not found
 }
 
-// Steps that a ray may take on where its place is not found: where the shell folds the prisms overlap, and hops run in circles.
+// Steps that a ray may continue without finding its place: where the shell folds, prisms overlap
+// and hops run in circles.
 const LOST_LIMIT: u32 = 64u;
 
 fn begin_ray(m: ptr<function, March>, ray: vec3f) {
@@ -28,7 +34,8 @@ fn begin_ray(m: ptr<function, March>, ray: vec3f) {
     (*m).lost = 0u;
 }
 
-// Enters the shell through prism `index` at depth z; `phase` in (0, 1] is the length of the first step.
+// Enters the prism shell through prism `index` at depth z; `phase` in (0, 1]: length of the first
+// step in steps.
 fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32, z: f32, phase: f32) {
     (*place).prism = index;
     (*place).t = 1.0;
@@ -39,20 +46,21 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
     (*m).dz = fur.step / (*m).speed * phase;
 }
 
-// Whether key lights are followed by a march of their own at every step, as in [Andersen2016] sec. 3.2, instead of looked up in the
-// lattice: the reference for it. It sees the undercoat alone.
+// Whether key lights are marched at every step, as in [Andersen2016] sec. 3.2, instead of looked up
+// in the lattice, to compare with it. The nested march sees the undercoat alone.
 override NESTED: bool = false;
 
+// Optical depth from x, which lies at `start`, towards l.
 fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
     for (var i = 0u; i < 400u; i++) {
         let state = locate(&place, x + (f32(i) + 0.5) * fur.step * l, l, 2u);
-        if state != INSIDE || place.t > 1.0 || sum > 18.0 {
+        if state != INSIDE || place.t > 1.0 || sum > TAU_BLOCKED {
             break;
         }
         if place.t < 0.0 {
-            sum = 18.0;
+            sum = TAU_BLOCKED;
             break;
         }
         sum += extinction(medium_at(&place), l) * fur.step;
@@ -60,10 +68,10 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     return sum;
 }
 
-// In-scattered radiance per extinction at the place.
+// In-scattered radiance per extinction at the place, and its density factor.
 fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
     let cell = lattice_cell(place);
-    var ambient = vec4f(0.0);  // log2 of the radiance of all lights that are no keys, and the density factor
+    var ambient = vec4f(0.0);  // log2 of the radiance from all but the key lights; density factor
     var tau = vec2f(0.0);
     var albedo = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
@@ -71,8 +79,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         let low = source[node];
         let high = source[node + 1u];
         let w = cell.weights[k] * vec2f(1.0 - cell.fraction, cell.fraction);
-        ambient += w.x * vec4f(unpack2x16float(low.x), unpack2x16float(low.y))
-            + w.y * vec4f(unpack2x16float(high.x), unpack2x16float(high.y));
+        ambient += w.x * unpack_half4(low.xy) + w.y * unpack_half4(high.xy);
         tau += w.x * unpack2x16float(low.z) + w.y * unpack2x16float(high.z);
         albedo += w.x * unpack_albedo(low.w) + w.y * unpack_albedo(high.w);
     }
@@ -82,14 +89,15 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         if NESTED {
             tau[j] = nested_tau(place, x, l) * ambient.a;
         }
-        let through = exp(-tau[j] * (1.0 - fur.forward_scattering * albedo));
+        let through = light_through(tau[j], albedo);
         sum += fur.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
     }
-    return vec4f(sum * coat_color(albedo), ambient.a);
+    return vec4f(sum * undercoat_factor(albedo), ambient.a);
 }
 
-// Prepares the next step: where it ends, what it holds. Where the ray has left the shell, `marching` becomes false.
-// A step that leaves through the top or into the skin counts up to there, whether its middle is inside or not.
+// Prepares the next step: where it ends and its medium. Where the ray has left the shell,
+// `marching` becomes false. A step that leaves through the top or into the skin counts up to there,
+// whether its middle is inside or not.
 fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
     (*m).dz = fur.step / (*m).speed;
@@ -101,14 +109,15 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let t = (*place).t;
     let slope = (*place).dt_dz;
     let climbs = slope > 0.0;
-    // Where a ray that climbs meets the top, one that sinks the skin.
-    let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / select(slope, 1e-12, abs(slope) < 1e-12);
-    // Above the top is inside while the ray still comes down on it: the first step may begin there by rounding.
+    // Where a climbing ray meets the top, a descending one the skin.
+    let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / away_from_zero(slope, 1e-12);
+    // Above the top counts as inside while the ray descends towards it: the first step may begin
+    // there by rounding.
     let near = select(t <= 1.0 + abs(slope) * dz, t >= 0.0, climbs) && (z_out > (*m).z || (t >= 0.0 && t <= 1.0));
     let inside = found == INSIDE && near && !(*m).last;
     (*m).lost += u32(found == LOST && !(*m).last);
     (*m).marching = inside;
-    // The skin itself cuts a step whose middle lies above it.
+    // The skin cuts a step whose middle lies above it.
     (*m).last = select(t < 0.0, z_out < (*m).z + dz, climbs);
     (*m).z_end = select((*m).z + dz, z_out, (*m).last);
     (*place).t = clamp(t, 0.0, 1.0);
@@ -116,7 +125,7 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let source_density = source_radiance(place, medium, x, (*m).view);
     let lost = found == LOST && (*m).lost < LOST_LIMIT;
     let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
-    // Lost: the step before goes on.
+    // Lost: the previous step's medium continues.
     (*m).sigma = select(sigma, (*m).sigma, lost);
     (*m).radiance = select(source_density.rgb, (*m).radiance, lost);
     if lost {

@@ -1,8 +1,9 @@
-// Simplex noise with the permutation and gradients of the `noise` crate, which is its oracle. Range -1..1.
+// Simplex noise with the permutation and gradients of the `noise` crate, which is the oracle in
+// tests. Range -1..1. [Perlin2001], [Gustavson2005]
 // Needs: noise (uniform Noise).
 
 struct Noise {
-    permutation: array<vec4u, 16>, // 256 bytes, four a word
+    permutation: array<vec4u, 16>, // 256 bytes, four per word
     gradients2: array<vec4f, 8>,   // xy
     gradients3: array<vec4f, 32>,  // xyz
 }
@@ -12,6 +13,7 @@ fn permuted(index: u32) -> u32 {
     return (noise.permutation[i >> 4u][(i >> 2u) & 3u] >> ((i & 3u) * 8u)) & 255u;
 }
 
+// Contribution of a corner at a squared distance.
 fn surflet(offset: f32, slope: f32) -> f32 {
     let t = max(0.0, 1.0 - 2.0 * offset);
     let t2 = t * t;
@@ -46,7 +48,7 @@ fn simplex3(p: vec3f) -> f32 {
     let base = floor(p + (p.x + p.y + p.z) * SKEW);
     let cell = vec3i(base);
     let d0 = p - (base - (base.x + base.y + base.z) * UNSKEW);
-    // Which of the six tetrahedra: the ranks of the three offsets.
+    // Which of the six tetrahedra: ranks of the three offsets.
     let x_ge_y = d0.x >= d0.y;
     let y_ge_z = d0.y >= d0.z;
     let x_ge_z = d0.x >= d0.z;

@@ -1,6 +1,7 @@
-// Per-sample linked lists of fragments in one buffer: word 0 counts the nodes, then one head a sample, then the nodes.
-// A head or link of 0 ends a list, so that a cleared buffer is valid. A node that finds no room is counted, not stored:
-// the counter then exceeds the capacity and the tile is rendered again in smaller parts. After [Andersen2016] sec. 4.
+// Linked lists of fragments, one per sample, in one buffer: word 0 counts the nodes, then one head
+// per sample, then the nodes. A head or link of 0 ends a list, so that a cleared buffer is valid. A
+// node that finds no room is counted, not stored: the counter then exceeds the capacity, and the
+// tile is rendered again in smaller parts. [Yang2010], [Andersen2016] sec. 4
 
 const NODE_WORDS: u32 = 5u;
 const KIND_STRAND: u32 = 0u;
@@ -9,17 +10,32 @@ const KIND_VOLUME: u32 = 2u;
 const KIND_SHIFT: u32 = 30u;
 const ID_MASK: u32 = 0x3fffffffu;
 
-struct Node {
-    next: u32,
-    z: f32,        // depth, cm
-    source: u32,   // kind and id: breaks ties of depth, so that the order of arrival does not show
-    color: vec4f,  // premultiplied; of an entry: unused
-}
+// Words of a node. The first is the link to the next.
+const NODE_Z: u32 = 1u;        // depth, cm
+const NODE_SOURCE: u32 = 2u;   // kind and id; breaks ties of depth independently of arrival
+const NODE_COLOR: u32 = 3u;    // premultiplied, four halves; of an entry: unused
 
 fn head_word(sample_index: u32) -> u32 {
     return 1u + sample_index;
 }
 
 fn node_word(node: u32) -> u32 {
-    return 1u + frame.tile_size.x * frame.tile_size.y + (node - 1u) * NODE_WORDS;
+    return 1u + tile_samples() + (node - 1u) * NODE_WORDS;
+}
+
+fn fragment_source(kind: u32, id: u32) -> u32 {
+    return (kind << KIND_SHIFT) | (id & ID_MASK);
+}
+
+fn fragment_kind(source: u32) -> u32 {
+    return source >> KIND_SHIFT;
+}
+
+fn fragment_id(source: u32) -> u32 {
+    return source & ID_MASK;
+}
+
+// Order of the fragments of a sample: by depth, then by source.
+fn lies_before(z_a: f32, source_a: u32, z_b: f32, source_b: u32) -> bool {
+    return z_a < z_b || (z_a == z_b && source_a < source_b);
 }

@@ -1,11 +1,13 @@
-// Reading the lists of shared/oit in order. Needs: fragment_lists (array<u32>, read).
+// Reads the lists of shared/oit in order. Needs: fragment_lists (array<u32>, read); shared/oit.
+
+#import shared/halves
 
 const BATCH: u32 = 24u;
 
-// The nearest nodes behind a key, in order; at most BATCH at a time.
+// The nearest nodes behind a fragment, in order; at most BATCH of them.
 struct Batch {
     count: u32,
-    more: bool,              // there are nodes behind the batch
+    more: bool,              // nodes follow behind the batch
     length: u32,             // of the whole list
     z: array<f32, BATCH>,
     source: array<u32, BATCH>,
@@ -14,10 +16,10 @@ struct Batch {
 
 fn node_color(node: u32) -> vec4f {
     let at = node_word(node);
-    return vec4f(unpack2x16float(fragment_lists[at + 3u]), unpack2x16float(fragment_lists[at + 4u]));
+    return unpack_half4(vec2u(fragment_lists[at + NODE_COLOR], fragment_lists[at + NODE_COLOR + 1u]));
 }
 
-// Collects the nodes behind (z_after, source_after) by insertion. Lists of any length are read in several rounds.
+// Collects the nodes behind (z_after, source_after) by insertion. Longer lists take several rounds.
 fn read_batch(batch: ptr<function, Batch>, sample_index: u32, z_after: f32, source_after: u32) {
     (*batch).count = 0u;
     (*batch).more = false;
@@ -26,21 +28,19 @@ fn read_batch(batch: ptr<function, Batch>, sample_index: u32, z_after: f32, sour
     while node != 0u {
         (*batch).length++;
         let at = node_word(node);
-        let z = bitcast<f32>(fragment_lists[at + 1u]);
-        let source = fragment_lists[at + 2u];
-        let behind = z > z_after || (z == z_after && source > source_after);
-        if behind {
+        let z = bitcast<f32>(fragment_lists[at + NODE_Z]);
+        let source = fragment_lists[at + NODE_SOURCE];
+        if lies_before(z_after, source_after, z, source) {
             var slot = (*batch).count;
             let full = slot == BATCH;
             if full {
                 (*batch).more = true;
                 slot = BATCH - 1u;
             }
-            let last_z = (*batch).z[BATCH - 1u];
-            if !full || z < last_z || (z == last_z && source < (*batch).source[BATCH - 1u]) {
+            if !full || lies_before(z, source, (*batch).z[BATCH - 1u], (*batch).source[BATCH - 1u]) {
                 while slot > 0u {
                     let before = (*batch).z[slot - 1u];
-                    if before < z || (before == z && (*batch).source[slot - 1u] < source) {
+                    if lies_before(before, (*batch).source[slot - 1u], z, source) {
                         break;
                     }
                     (*batch).z[slot] = before;

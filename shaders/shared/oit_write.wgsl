@@ -1,4 +1,6 @@
-// Adding to the lists of shared/oit. Needs: fragment_lists (array<atomic<u32>>).
+// Adds to the lists of shared/oit. Needs: fragment_lists (array<atomic<u32>>); shared/oit.
+
+#import shared/halves
 
 fn add_fragment(sample_index: u32, z: f32, source: u32, color: vec4f) {
     let node = atomicAdd(&fragment_lists[0], 1u) + 1u;
@@ -8,8 +10,9 @@ fn add_fragment(sample_index: u32, z: f32, source: u32, color: vec4f) {
     let at = node_word(node);
     let next = atomicExchange(&fragment_lists[head_word(sample_index)], node);
     atomicStore(&fragment_lists[at], next);
-    atomicStore(&fragment_lists[at + 1u], bitcast<u32>(z));
-    atomicStore(&fragment_lists[at + 2u], source);
-    atomicStore(&fragment_lists[at + 3u], pack2x16float(color.rg));
-    atomicStore(&fragment_lists[at + 4u], pack2x16float(color.ba));
+    atomicStore(&fragment_lists[at + NODE_Z], bitcast<u32>(z));
+    atomicStore(&fragment_lists[at + NODE_SOURCE], source);
+    let packed = pack_half4(color);
+    atomicStore(&fragment_lists[at + NODE_COLOR], packed.x);
+    atomicStore(&fragment_lists[at + NODE_COLOR + 1u], packed.y);
 }

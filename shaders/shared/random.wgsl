@@ -1,6 +1,9 @@
 // Random numbers: integer hashes of stable ids, so that nothing depends on the order of threads.
 
-// "lowbias32" integer hash.
+#import shared/angles
+#import shared/constants
+
+// "lowbias32" integer hash. [Wellons2018]
 fn hash(value: u32) -> u32 {
     var x = value;
     x = (x ^ (x >> 16u)) * 0x7feb352du;
@@ -22,9 +25,23 @@ fn random(seed: u32, k: u32) -> f32 {
     return unit_float(hash2(seed, k));
 }
 
+// Numbers k and k + 1 of a seed.
+fn random2(seed: u32, k: u32) -> vec2f {
+    return vec2f(random(seed, k), random(seed, k + 1u));
+}
+
+fn random3(seed: u32, k: u32) -> vec3f {
+    return vec3f(random(seed, k), random(seed, k + 1u), random(seed, k + 2u));
+}
+
+// Point k of the R2 sequence in the unit square, displaced by `start`. [Roberts2018]
+fn r2_point(start: vec2f, k: u32) -> vec2f {
+    return fract(start + f32(k) * vec2f(0.7548777, 0.5698403));
+}
+
 // Uniform on the unit sphere.
 fn random_direction(seed: u32, k: u32) -> vec3f {
     let z = 1.0 - 2.0 * random(seed, k);
-    let phi = 6.2831853 * random(seed, k + 1u);
-    return vec3f(sqrt(max(0.0, 1.0 - z * z)) * vec2f(cos(phi), sin(phi)), z);
+    let phi = TAU * random(seed, k + 1u);
+    return vec3f(complement(z) * vec2f(cos(phi), sin(phi)), z);
 }

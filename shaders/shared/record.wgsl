@@ -1,4 +1,4 @@
-// Colours packed into words.
+// Albedos packed into words, ten bits per channel.
 
 fn pack_albedo(c: vec3f) -> u32 {
     let q = vec3u(round(clamp(c, vec3f(0.0), vec3f(1.0)) * 1023.0));

@@ -1,14 +1,14 @@
-// Hair roots. Needs: shell_vertices, prisms, corner_uv; shared/random, shared/shell's types, shared/groom.
+// Attributes of the skin at a point of a triangle.
+// Needs: shell_vertices, prisms, corner_uv; shared/groom.
 
 #import shared/root_types
+#import shared/skin
 
 fn skin_point(prism: u32, lambda: vec3f) -> SkinPoint {
-    let p = prisms[prism].vertices;
-    let a = shell_vertices[p.x];
-    let b = shell_vertices[p.y];
-    let c = shell_vertices[p.z];
-    let uv = lambda.x * corner_uv[3u * prism] + lambda.y * corner_uv[3u * prism + 1u] + lambda.z * corner_uv[3u * prism + 2u];
-    let rgb = lambda.x * unpack4x8unorm(a.color) + lambda.y * unpack4x8unorm(b.color) + lambda.z * unpack4x8unorm(c.color);
-    return SkinPoint(lambda.x * a.position + lambda.y * b.position + lambda.z * c.position,
-        normalize(lambda.x * a.normal + lambda.y * b.normal + lambda.z * c.normal), uv, rgb.rgb);
+    let v = prisms[prism].vertices;
+    let corner = 3u * prism;
+    let uv = interpolate2(lambda, corner_uv[corner], corner_uv[corner + 1u], corner_uv[corner + 2u]);
+    let rgb = interpolate3(lambda, unpack4x8unorm(shell_vertices[v.x].color).rgb,
+        unpack4x8unorm(shell_vertices[v.y].color).rgb, unpack4x8unorm(shell_vertices[v.z].color).rgb);
+    return SkinPoint(skin_position(v, lambda), skin_normal(v, lambda), uv, rgb);
 }

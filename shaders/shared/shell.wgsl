@@ -1,12 +1,14 @@
-// The prism shell: coordinates, subelement index, neighbour hops.
+// The prism shell: coordinates in a prism, subelement index, hops to neighbours.
 // Needs: shell_vertices (array<ShellVertex>), prisms (array<Prism>), fur (uniform FurParameters).
 
+#import shared/arithmetic
+#import shared/barycentric
+#import shared/constants
 #import shared/shell_types
 
-const NONE: u32 = 0xffffffffu;
 const HOP_LIMIT: u32 = 16u;
 
-// A point's place in the shell and the geometry of the prism that it is in.
+// A point's place in the shell, and the geometry of its prism.
 struct Place {
     prism: u32,
     t: f32,          // height, 0 skin, 1 top
@@ -21,6 +23,7 @@ struct Place {
     subdivision: u32,
 }
 
+// Loads the geometry of a prism.
 fn enter_prism(place: ptr<function, Place>, index: u32) {
     let prism = prisms[index];
     let a = shell_vertices[prism.vertices.x];
@@ -40,39 +43,68 @@ fn enter_prism(place: ptr<function, Place>, index: u32) {
     (*place).subdivision = prism.subdivision;
 }
 
-// Exact inverse of x(t, lambda) = sum lambda_k (p_k + t v_k): Newton on the cubic F(t) = a . (b x c), from the t in
-// `place`. DEVIATION: [Andersen2016] sec. 3.2 takes t from distances to the prism's top, which disagrees between
-// neighbours and shows seams. `ray` is the direction for dt_dz.
+// The skin's point at barycentric coordinates of the place's prism, and the vector from there to
+// the shell's top.
+fn skin_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
+    return (*place).p0 + lambda.y * (*place).e1 + lambda.z * (*place).e2;
+}
+
+fn extrusion_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
+    return (*place).v0 + lambda.y * (*place).w1 + lambda.z * (*place).w2;
+}
+
+// The same at the place's own.
+fn extrusion(place: ptr<function, Place>) -> vec3f {
+    return extrusion_at(place, (*place).lambda);
+}
+
+// The triangle that the prism cuts out of the layer at height t.
+struct Layer {
+    e1: vec3f,
+    e2: vec3f,
+    n: vec3f,   // cross product of the edges
+}
+
+fn layer_at(place: ptr<function, Place>, t: f32) -> Layer {
+    let e1 = (*place).e1 + t * (*place).w1;
+    let e2 = (*place).e2 + t * (*place).w2;
+    return Layer(e1, e2, cross(e1, e2));
+}
+
+// Derivative with respect to t of F, whose root `solve` finds. `a`: x less corner 0 of the layer.
+fn volume_slope(place: ptr<function, Place>, layer: Layer, a: vec3f) -> f32 {
+    return dot(a, cross((*place).w1, layer.e2) + cross(layer.e1, (*place).w2)) - dot((*place).v0, layer.n);
+}
+
+// Sets height and barycentric coordinates of x: the exact inverse of
+// x(t, lambda) = sum lambda_k (p_k + t v_k), by Newton's method on the cubic F(t) = a . (e1 x e2)
+// from the t in `place`. `ray`: the direction for dt_dz.
+// DEVIATION: [Andersen2016] sec. 3.2 takes t from distances to the prism's top, which disagrees
+// between neighbours and shows seams.
 fn solve(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) {
     var t = (*place).t;
     for (var i = 0u; i < iterations; i++) {
         let a = x - (*place).p0 - t * (*place).v0;
-        let b = (*place).e1 + t * (*place).w1;
-        let c = (*place).e2 + t * (*place).w2;
-        let n = cross(b, c);
-        let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
-        t = clamp(t - dot(a, n) / select(slope, -1e-12, abs(slope) < 1e-12), -0.5, 1.5 * fur.light_reach);
+        let layer = layer_at(place, t);
+        let slope = volume_slope(place, layer, a);
+        t = clamp(t - dot(a, layer.n) / away_from_zero(slope, -1e-12), -0.5, 1.5 * fur.light_reach);
     }
     let a = x - (*place).p0 - t * (*place).v0;
-    let b = (*place).e1 + t * (*place).w1;
-    let c = (*place).e2 + t * (*place).w2;
-    let n = cross(b, c);
-    let slope = dot(a, cross((*place).w1, c) + cross(b, (*place).w2)) - dot((*place).v0, n);
-    let inverse = 1.0 / max(dot(n, n), 1e-30);
-    let l1 = dot(cross(a, c), n) * inverse;
-    let l2 = dot(cross(b, a), n) * inverse;
+    let layer = layer_at(place, t);
+    let slope = volume_slope(place, layer, a);
     (*place).t = t;
-    (*place).lambda = vec3f(1.0 - l1 - l2, l1, l2);
-    (*place).dt_dz = -dot(ray, n) / select(slope, -1e-12, abs(slope) < 1e-12);
+    (*place).lambda = barycentric_at(a, layer.e1, layer.e2, layer.n, 1.0 / max(dot(layer.n, layer.n), 1e-30));
+    (*place).dt_dz = -dot(ray, layer.n) / away_from_zero(slope, -1e-12);
 }
 
 const INSIDE: u32 = 0u;
 const LEFT_BORDER: u32 = 1u;  // over a boundary edge of the skin
 const LOST: u32 = 2u;         // too many hops
 
-// Finds x, hopping from prism to prism over the most negative barycentric coordinate.
-// [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses most rays.
-// The prism is loaded anew each time: a loop body that is entered is paid for by all lanes, so it holds nothing twice.
+// Finds the prism of x, hopping over the most negative barycentric coordinate.
+// [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses
+// most rays. The prism is loaded in one place: all lanes pay for a loop body that one of them
+// enters, so it holds nothing twice.
 fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) -> u32 {
     var index = (*place).prism;
     var state = LOST;
@@ -81,7 +113,8 @@ fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) ->
         solve(place, x, ray, iterations);
         let l = (*place).lambda;
         let least = min(l.x, min(l.y, l.z));
-        let next = select(select((*place).neighbours.z, (*place).neighbours.y, l.y == least), (*place).neighbours.x, l.x == least);
+        let neighbours = (*place).neighbours;
+        let next = select(select(neighbours.z, neighbours.y, l.y == least), neighbours.x, l.x == least);
         // A point on the border wall may lie outside by rounding.
         let inside = least >= select(-1e-5, -2e-3, next == NONE);
         if inside || next == NONE {
@@ -93,14 +126,15 @@ fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) ->
     return state;
 }
 
-// Cell of a subdivided triangle, [Andersen2016] eq. 1 and 2; e_x is the edge opposite corner x, so that the ratio of
-// distances is lambda_x. Both clamps are needed: points on an edge give i_x = 2^d, rounding near grid vertices breaks
-// the sum of the fractions.
+// Subelement of a triangle of level d, [Andersen2016] eq. 1 and 2; e_x is the edge opposite
+// corner x, so that the ratio of distances is lambda_x. Both clamps are needed: points on an edge
+// give i_x = 2^d, and rounding near grid vertices breaks the sum of the fractions.
 fn subelement(lambda: vec3f, d: u32) -> u32 {
     let n = i32(1u << d);
-    let i = clamp(vec3i(floor((1.0 - lambda) * f32(n))), vec3i(0), vec3i(n - 1)); // [Andersen2016] eq. 1
+    // [Andersen2016] eq. 1
+    let i = clamp(vec3i(floor((1.0 - lambda) * f32(n))), vec3i(0), vec3i(n - 1));
     let offset = clamp(i.y - i.z, -i.x, i.x);
-    return u32(i.x * (1 + i.x) + offset);                                        // [Andersen2016] eq. 2
+    return u32(i.x * (1 + i.x) + offset); // [Andersen2016] eq. 2
 }
 
 // Barycentric centroid of a subelement: the inverse of `subelement`.
@@ -115,15 +149,16 @@ fn subelement_centroid(id: u32, d: u32) -> vec3f {
     return 1.0 - (vec3f(i) + select(1.0 / 3.0, 2.0 / 3.0, upright)) / f32(n);
 }
 
-// Index of a subelement in the volume data: [Andersen2016] eq. 3 with a level d of its own for each prism.
+// Index of a subelement in the volume data. Each prism has a level d of its own.
 fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
     return (*place).cell_base + (layer << (2u * (*place).subdivision)) + id; // [Andersen2016] eq. 3
 }
 
-// How densely hairs of direction `tangent` stand at height t of the place's prism, relative to the skin: they spread over a layer of
-// another area, and the area across them is smaller than that of the layer where they lean.
+// Density of hairs with direction `tangent` at height t of the place's prism, relative to the skin:
+// they spread over a layer of another area, and where they lean their cross-section is smaller than
+// the layer.
 fn crowding(place: ptr<function, Place>, t: f32, tangent: vec3f) -> f32 {
     let skin = length(cross((*place).e1, (*place).e2));
-    let layer = cross((*place).e1 + t * (*place).w1, (*place).e2 + t * (*place).w2);
+    let layer = layer_at(place, t).n;
     return skin / max(dot(layer, tangent), 0.3 * max(length(layer), skin * 0.1));
 }

@@ -1,10 +1,12 @@
-// What the prism shell is made of.
+// Vertices and prisms of the prism shell.
+
+#import shared/constants
 
 struct ShellVertex {
     position: vec3f,  // on the skin, world, cm
-    height: f32,      // of the undercoat's shell, cm
+    height: f32,      // of the prism shell, cm
     normal: vec3f,    // smoothed, unit
-    color: u32,       // vertex colour, 8 bits a channel
+    color: u32,       // vertex colour, 8 bits per channel
 }
 
 struct Prism {
@@ -12,6 +14,6 @@ struct Prism {
     cell_base: u32,    // index of the first subelement
     neighbours: vec3u, // over the edge opposite each corner, or NONE
     subdivision: u32,  // level d of this prism
-    edges: vec3u,      // numbers of the edges opposite each corner, the same for both triangles at an edge
+    edges: vec3u,      // numbers of the edges opposite each corner, shared by neighbours
     padding: u32,
 }

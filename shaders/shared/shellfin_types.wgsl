@@ -1,8 +1,10 @@
-// Shells and fins: what is drawn, and where the rows of vertices above the skin lie.
+// Shells and fins: parameters, and the rows of vertices above the skin.
+
+#import shared/constants
 
 struct Shellfin {
     comb: vec3f,             // over the whole skin, tangent of the lean, world
-    shells: u32,             // rows that are shells; the fins' rows follow
+    shells: u32,             // rows that are textured shells; the fins' rows follow
     bend: vec3f,             // displacement of the tips by forces, by height, world
     fin_rows: u32,           // rows of a fin, skin and tip included
     shadow_direction: vec3f, // towards the light of the shadow between hairs, world, unit
@@ -12,7 +14,7 @@ struct Shellfin {
     height: f32,             // of a row at 1, cm above the skin
     fade: u32,               // 0: cosine, 1: threshold, 2: both
     fin_threshold: f32,
-    slanted: u32,            // 1: coverage grows with the way through a layer
+    slanted: u32,            // 1: coverage grows with the path length through a layer
     shadow_offset: f32,      // part of the torus
     shadow_strength: f32,
     vertices: u32,           // of the skin
@@ -20,8 +22,8 @@ struct Shellfin {
     curved: u32,             // 1: along the groom's mean strand, 0: straight
     spread: f32,             // tangent of the guard hairs' random lean
     guard: u32,              // 1: guard hairs have layers of their own
-    edge_fade: f32,          // 1: shells fade where they are seen from the edge
-    first_corner: u32,       // of the shells
+    edge_fade: f32,          // 1: textured shells fade where they are seen edge-on
+    first_corner: u32,       // of the textured shells
 }
 
 struct ShellRow {
@@ -32,10 +34,8 @@ struct ShellRow {
     undercoat: vec3f, // mean colour of the layer
     shade: f32,      // darkening towards the skin, for the table
     guard: vec3f,    // mean colour of its guard hairs
-    jitter: f32,     // variance of the other hairs' direction about its mean, an axis
+    jitter: f32,     // variance of the other hairs' directions about their mean, per axis
     coverage: f32,   // mean of the layer
-    share: f32,      // of it, guard hair
+    share: f32,      // part of it that is guard hair
     padding: vec2u,
 }
-
-const NO_LAYER: u32 = 0xffffffffu;

@@ -1,8 +1,9 @@
-// Tables of the undercoat's scattering lie behind the light's nodes: the kernels that march have no binding to spare.
-// Needs: source (array<vec4u>).
+// Scattering tables of the undercoat, behind the lattice's nodes in `source`: the kernels that
+// march have no binding left. Needs: source (array<vec4u>).
+
+#import shared/halves
 
 fn far_texel(i: u32) -> vec4f {
     let two = source[i / 2u];
-    let texel = select(two.xy, two.zw, (i & 1u) == 1u);
-    return vec4f(unpack2x16float(texel.x), unpack2x16float(texel.y));
+    return unpack_half4(select(two.xy, two.zw, (i & 1u) == 1u));
 }

@@ -1,4 +1,10 @@
-// Strand vertices. Needs: strand_vertices (array<vec4f>).
+// Strand vertices: xyz position (cm); in w radius (units of 0.01 cm) and opacity as halves.
+// Needs: strand_vertices (array<vec4f>).
+
+// Position and radius in cm.
+fn pack_strand_vertex(p: vec3f, radius: f32, opacity: f32) -> vec4f {
+    return vec4f(p, bitcast<f32>(pack2x16float(vec2f(radius * 100.0, opacity))));
+}
 
 fn strand_radius(v: vec4f) -> f32 {
     return unpack2x16float(bitcast<u32>(v.w)).x * 0.01;

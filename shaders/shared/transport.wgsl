@@ -1,114 +1,136 @@
-// Multiple scattering in the coat, from the tables of src/transport.rs as textures: `field_table` holds radiance in four zones by the
-// cosine to a light and the optical depth towards it, `sent_table` what undercoat sends to a view and what falls on guard hairs by the same, `response_table` what
-// single hairs send on, a kind a row; a layer for each brightness of hair, and in it for each cosine of the view. A matrix holds the four zones of one colour in a column. Twin: src/reference/transport.rs.
-// Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear, clamped), TAU_BLOCKED.
+// Multiple scattering in the coat, from the tables of src/transport.rs as textures. `field_table`:
+// radiance in four zones, by cosine to a light and optical depth towards it. `sent_table`: what the
+// undercoat sends to a view and what falls on guard hairs, by the same. `response_table`: what
+// single hairs scatter, one kind per row. Each has a layer per albedo of the hairs; in `sent_table`
+// each of these has one per cosine of the view. A matrix holds the four zones of one colour in a
+// column.
+// Twin: src/reference/transport.rs.
+// Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear,
+// clamped).
 
-// How light scattered by more than one hair is found, fixed when a kernel is compiled.
+#import shared/angles
+#import shared/arithmetic
+#import shared/constants
+#import shared/transmittance
+
+// How light scattered by more than one hair is found, fixed when the kernel is compiled.
 override MULTIPLE: u32 = 0u;
 const MULTIPLE_DUAL: u32 = 1u;
 const MULTIPLE_TRANSPORT: u32 = 2u;
 
-const ROW_HEAD: i32 = 0;   // shares of the sphere, fluxes, weights of what is scattered on and back, along the row
-const ROW_GUARD: i32 = 1;  // of light from above and from below, TILTS rows by the normal's angle to the hair for each of TILTS azimuths
+// Along the row: shares of the sphere, fluxes, weights of forward and backward scattering.
+const ROW_HEAD: i32 = 0;
+// Responses to light from above and from below: TILTS rows, by the angle between normal and hair,
+// for each of TILTS azimuths.
+const ROW_GUARD: i32 = 1;
 const TILTS: i32 = 8;
 const ROW_DUAL_COAT: i32 = 65;  // two rows, by the sine of the difference angle
 const ROW_DUAL_GUARD: i32 = 67;
 
-// Texture coordinate of the place `x` (0..1) between the centres of the first and the last of `count` texels.
+// Texture coordinate of x (0..1) between the centres of the first and the last of `count` texels.
 fn table_coordinate(x: f32, count: u32) -> f32 {
     return (clamp(x, 0.0, 1.0) * f32(count - 1u) + 0.5) / f32(count);
 }
 
-// The layer below a brightness and the weight of the next.
-fn tint_layers(tint: f32) -> vec2f {
+// The layer below an albedo and the weight of the next.
+fn albedo_layers(albedo: f32) -> vec2f {
     let last = f32(textureNumLayers(response_table) - 1u);
-    let at = clamp(1.0 - sqrt(max(1.0 - tint, 0.0)), 0.0, 1.0) * last;
-    let layer = min(floor(at), last - 1.0);
-    return vec2f(layer, at - layer);
+    let at = clamp(1.0 - sqrt(max(1.0 - albedo, 0.0)), 0.0, 1.0) * last;
+    return lower_entry(at, last);
 }
 
-// Entry of a row, or between this and the next, for hair of one colour at `x` (0..1).
-fn response_entry(row: f32, tint: f32, x: f32) -> vec4f {
+// A table between two of its layers.
+fn between_layers(table: texture_2d_array<f32>, at: vec2f, layer: i32, weight: f32) -> vec4f {
+    return mix(textureSampleLevel(table, table_sampler, at, layer, 0.0),
+        textureSampleLevel(table, table_sampler, at, layer + 1, 0.0), weight);
+}
+
+// Entry of a row, or between it and the next, for one albedo at x (0..1).
+fn response_entry(row: f32, albedo: f32, x: f32) -> vec4f {
     let size = textureDimensions(response_table);
     let at = vec2f(table_coordinate(x, size.x), (row + 0.5) / f32(size.y));
-    let t = tint_layers(tint);
-    return mix(textureSampleLevel(response_table, table_sampler, at, i32(t.x), 0.0),
-        textureSampleLevel(response_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
+    let t = albedo_layers(albedo);
+    return between_layers(response_table, at, i32(t.x), t.y);
 }
 
+// Entry k of the head row.
 fn table_head(k: i32) -> vec4f {
     return textureLoad(response_table, vec2i(k, ROW_HEAD), 0, 0);
 }
 
-// Coordinates in a table of the cosine to the light and the depth towards it, by colour: the skin below has one.
+// Texture coordinates of the cosine to a light and the optical depth towards it. Colours have parts
+// of their own, as the skin below is coloured too.
 fn light_coordinates(size: vec2u, tau: f32, mu: f32, color: u32) -> vec2f {
     let depth = table_coordinate(sqrt(tau / TAU_BLOCKED), size.y / 3u);
     return vec2f(table_coordinate(mu, size.x), (depth + f32(color)) / 3.0);
 }
 
-fn field_entry(tint: f32, at: vec2f) -> vec4f {
-    let t = tint_layers(tint);
-    return mix(textureSampleLevel(field_table, table_sampler, at, i32(t.x), 0.0),
-        textureSampleLevel(field_table, table_sampler, at, i32(t.x) + 1, 0.0), t.y);
+// Radiance in four zones for one colour.
+fn field_entry(albedo: f32, at: vec2f) -> vec4f {
+    let t = albedo_layers(albedo);
+    return between_layers(field_table, at, i32(t.x), t.y);
 }
 
-// Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal, for an irradiance of 1.
-fn scattered_field(tint: vec3f, tau: f32, mu: f32) -> mat3x4f {
+// Scattered radiance at optical depth `tau` towards a light at cosine `mu` to the normal, for an
+// irradiance of 1; a column per colour.
+fn scattered_field(albedo: vec3f, tau: f32, mu: f32) -> mat3x4f {
     let size = textureDimensions(field_table);
-    return mat3x4f(field_entry(tint.r, light_coordinates(size, tau, mu, 0u)),
-        field_entry(tint.g, light_coordinates(size, tau, mu, 1u)), field_entry(tint.b, light_coordinates(size, tau, mu, 2u)));
+    return mat3x4f(field_entry(albedo.r, light_coordinates(size, tau, mu, 0u)),
+        field_entry(albedo.g, light_coordinates(size, tau, mu, 1u)),
+        field_entry(albedo.b, light_coordinates(size, tau, mu, 2u)));
 }
 
-// What is sent of one colour, by the places of the depth and light in `at` and of the view.
-fn sent_entry(tint: f32, at: vec2f, view: vec2f) -> vec3f {
-    let t = tint_layers(tint);
+// Entry of `sent_table` for one colour. `at`: texture coordinates of light and depth; `view`: lower
+// layer of the view and the weight of the upper one.
+fn sent_entry(albedo: f32, at: vec2f, view: vec2f) -> vec3f {
+    let t = albedo_layers(albedo);
     let views = f32(textureNumLayers(sent_table)) / f32(textureNumLayers(response_table));
     var sum = vec3f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let layer = i32((t.x + f32(k)) * views + view.x);
-        let of_tint = mix(textureSampleLevel(sent_table, table_sampler, at, layer, 0.0).xyz,
-            textureSampleLevel(sent_table, table_sampler, at, layer + 1, 0.0).xyz, view.y);
-        sum += of_tint * select(t.y, 1.0 - t.y, k == 0u);
+        let of_layer = between_layers(sent_table, at, layer, view.y).xyz;
+        sum += of_layer * select(t.y, 1.0 - t.y, k == 0u);
     }
     return sum;
 }
 
-// At an optical depth `tau` towards a light of cosine `mu_light` to the normal, for a view of cosine `mu_view`, a colour a row: in the first
-// column radiance that undercoat sends to it, by its extinction, of light scattered before, for an irradiance of 1; in the others radiance
-// that falls on guard hairs from above and from below.
-fn sent_radiance(tint: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f {
+// For an irradiance of 1 at optical depth `tau` towards a light at cosine `mu_light` to the normal,
+// and a view direction at cosine `mu_view`; a row per colour. First column: radiance per extinction
+// that the undercoat sends to the view, of light scattered before. The others: radiance that falls
+// on guard hairs from above and from below.
+fn sent_radiance(albedo: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f {
     let size = textureDimensions(sent_table);
     let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
-    let layer = min(floor(x), f32(size.x - 2u));
-    let view = vec2f(layer, x - layer);
-    return transpose(mat3x3f(sent_entry(tint.r, light_coordinates(size, tau, mu_light, 0u), view),
-        sent_entry(tint.g, light_coordinates(size, tau, mu_light, 1u), view),
-        sent_entry(tint.b, light_coordinates(size, tau, mu_light, 2u), view)));
+    let view = lower_entry(x, f32(size.x - 1u));
+    return transpose(mat3x3f(sent_entry(albedo.r, light_coordinates(size, tau, mu_light, 0u), view),
+        sent_entry(albedo.g, light_coordinates(size, tau, mu_light, 1u), view),
+        sent_entry(albedo.b, light_coordinates(size, tau, mu_light, 2u), view)));
 }
 
-// What falls on the skin.
+// Irradiance of the skin.
 fn field_irradiance(field: mat3x4f) -> vec3f {
-    return 6.2831853 * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
+    return TAU * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
 }
 
-// Radiance that a guard hair sends to `view` where this radiance comes from above the horizon of `normal` and from below.
-fn guard_response(tint: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above: vec3f, below: vec3f) -> vec3f {
+// Radiance that a guard hair sends to `view` where radiance `above` comes from above the horizon of
+// `normal` and `below` from below.
+fn guard_response(albedo: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above: vec3f, below: vec3f) -> vec3f {
     let sin_o = dot(tangent, view);
     let along = dot(tangent, normal);
-    // Turned round, light from above is that from below.
+    // A reversed hair exchanges light from above and from below.
     let side = select(-1.0, 1.0, along >= 0.0);
     let across = view - sin_o * tangent;
     let up = side * (normal - along * tangent);
-    let cos_azimuth = dot(across, up) * inverseSqrt(max(dot(across, across) * dot(up, up), 1e-12));
+    let cos_azimuth = cosine_between(across, up);
     let last = f32(TILTS - 1);
-    let tilt = acos(min(abs(along), 1.0)) / 1.5707963 * last;
-    let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / 3.1415927 * last;
-    let low = min(floor(azimuth), last - 1.0);
-    let row = f32(ROW_GUARD) + low * f32(TILTS) + tilt;
+    let tilt = acos(min(abs(along), 1.0)) / FRAC_PI_2 * last;
+    let azimuth = acos(clamp(cos_azimuth, -1.0, 1.0)) / PI * last;
+    let lower = lower_entry(azimuth, last);
+    let row = f32(ROW_GUARD) + lower.x * f32(TILTS) + tilt;
     var radiance = vec3f(0.0);
     for (var c = 0u; c < 3u; c++) {
-        let entry = mix(response_entry(row, tint[c], 0.5 * sin_o + 0.5),
-            response_entry(row + f32(TILTS), tint[c], 0.5 * sin_o + 0.5), azimuth - low);
+        let entry = mix(response_entry(row, albedo[c], 0.5 * sin_o + 0.5),
+            response_entry(row + f32(TILTS), albedo[c], 0.5 * sin_o + 0.5), lower.y);
         let light = select(vec2f(below[c], above[c]), vec2f(above[c], below[c]), side > 0.0);
         radiance[c] = dot(entry.xy, light);
     }

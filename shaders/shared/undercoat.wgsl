@@ -1,6 +1,8 @@
-// The undercoat's medium: density and tangent of a subelement.
+// The undercoat's medium: density and tangent of a subelement, and its extinction.
 // Needs: fur (uniform FurParameters); shared/octahedral.
 
+#import shared/angles
+#import shared/constants
 #import shared/undercoat_types
 
 struct Medium {
@@ -10,6 +12,7 @@ struct Medium {
 
 const DENSITY_RANGE: f32 = 4.0;
 
+// 12 bits of density, 10 bits for each coordinate of the octahedral tangent.
 fn pack_medium(m: Medium) -> u32 {
     let oct = vec2u(round((octahedral_encode(m.tangent) * 0.5 + 0.5) * 1023.0));
     let density = u32(round(clamp(m.density / DENSITY_RANGE, 0.0, 1.0) * 4095.0));
@@ -21,13 +24,19 @@ fn unpack_medium(word: u32) -> Medium {
     return Medium(f32(word & 4095u) / 4095.0 * DENSITY_RANGE, octahedral_decode(oct * 2.0 - 1.0));
 }
 
-// Sine of the angle between two unit vectors.
-fn sine(a: vec3f, b: vec3f) -> f32 {
-    let c = dot(a, b);
-    return sqrt(max(0.0, 1.0 - c * c));
+// Mean direction of the hairs at height t (in shell heights); they lean more towards the top.
+fn mean_tangent(normal: vec3f, t: f32) -> vec3f {
+    return normalize(normal + fur.lean * t);
 }
 
-// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
+// Projected area of a hair towards unit direction `w`, relative to that perpendicular to the hair;
+// the mean over all directions if extinction is isotropic.
+fn relative_projection(tangent: vec3f, w: vec3f) -> f32 {
+    return select(sine_between(tangent, w), FRAC_PI_4, fur.isotropic == 1u);
+}
+
+// Extinction in 1/cm towards unit direction `w`: n_perp d sin(T, w) for n_perp fibres per area, of
+// diameter d.
 fn extinction(m: Medium, w: vec3f) -> f32 {
-    return fur.extinction * m.density * select(sine(m.tangent, w), 0.7853982, fur.isotropic == 1u);
+    return fur.extinction * m.density * relative_projection(m.tangent, w);
 }

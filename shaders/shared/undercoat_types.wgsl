@@ -1,4 +1,4 @@
-// Parameters of the undercoat and of its light lattice.
+// Parameters of the undercoat and of the optical-depth lattice.
 
 struct FurParameters {
     // Volume
@@ -20,8 +20,8 @@ struct FurParameters {
     height: f32,               // largest shell height, cm
     lean: vec3f,               // comb direction times tangent of the lean
     forward_scattering: f32,
-    isotropic: u32,            // 1: extinction does not depend on the angle to the hairs (paper)
-    // Light lattice
+    isotropic: u32,            // 1: extinction ignores the angle to the hairs, as in [Andersen2016]
+    // Optical-depth lattice
     lattice: u32,              // cells along a triangle's edge N
     levels: u32,               // cells from skin to top; levels + 1 nodes
     light_reach: f32,          // top of the lattice in shell heights
@@ -29,12 +29,12 @@ struct FurParameters {
     columns: u32,              // lattice columns
     vertices: u32,             // of the skin
     edges: u32,                // of the skin
-    keys: u32,                 // lights looked up one by one in the march
-    opacity_cut: f32,          // transmittance under which a ray ends
+    keys: u32,                 // number of key lights, looked up one by one in the march
+    opacity_cut: f32,          // transmittance below which a ray ends
     virtual_fragments: u32,
     density: f32,              // mean density, 1/cm2
-    attenuation: f32,          // a of eq. 4, 1/cm
-    tau_stride: u32,           // words of the buffer `tau` a node
+    attenuation: f32,          // a of [Andersen2016] eq. 4, 1/cm
+    tau_stride: u32,           // words per node of the buffer `tau`
     key_lights: vec2u,         // their numbers among the lights
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,

@@ -1,22 +1,20 @@
-// The undercoat at a place of the shell.
-// Needs: cells (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat.
+// The undercoat's medium at a place of the prism shell.
+// Needs: cells (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat, shared/clumps.
 
-// Medium of the subelement at `layer` and cell `id` of the place's prism.
+#import shared/noise_domain
+
+// Medium of subelement `id` in `layer` of the place's prism.
 fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium {
     let l = subelement_centroid(id, (*place).subdivision);
     let t = (f32(layer) + 0.5) / f32(fur.layers);
-    var p = (*place).p0 + l.y * (*place).e1 + l.z * (*place).e2;
-    let normal = normalize((*place).v0 + l.y * (*place).w1 + l.z * (*place).w2);
-    if fur.noise_domain == 1u {
-        let corner = 3u * (*place).prism;
-        p = vec3f(l.x * uv_of_corner(corner) + l.y * uv_of_corner(corner + 1u) + l.z * uv_of_corner(corner + 2u), 0.0);
-    }
-    var medium = evaluate_medium(p, normal, t, hash2((*place).prism, (layer << 16u) | id));
+    let normal = normalize(extrusion_at(place, l));
+    var medium = evaluate_medium(noise_point(place, l), normal, t, hash2((*place).prism, (layer << 16u) | id));
     medium.density *= crowding(place, t, medium.tangent);
     return medium;
 }
 
-// Whether the volume is stored or evaluated: fixed when the kernel is compiled, for an untaken branch is not free everywhere.
+// Whether the volume is stored or evaluated; fixed when the kernel is compiled, as an untaken
+// branch is not free on all adapters.
 override STORED: bool = true;
 
 fn medium_at(place: ptr<function, Place>) -> Medium {
@@ -25,6 +23,6 @@ fn medium_at(place: ptr<function, Place>) -> Medium {
     if STORED {
         return unpack_medium(cells[volume_index(place, layer, id)]);
     }
-    // As it would be stored, so that the image does not depend on it.
+    // Rounded as in storage, so that the image does not depend on the choice.
     return unpack_medium(pack_medium(subelement_medium(place, layer, id)));
 }

@@ -1,0 +1,10 @@
+// Transmittance of light after an optical depth. Needs: fur (uniform FurParameters).
+
+// Optical depth at which a light counts as blocked.
+const TAU_BLOCKED: f32 = 18.0;
+
+// Transmittance where the part of the light that hairs of this albedo scatter forward counts as
+// unscattered: a similarity relation. [Wyman1989]
+fn light_through(depth: f32, albedo: vec3f) -> vec3f {
+    return exp(-depth * (1.0 - fur.forward_scattering * albedo));
+}
