@@ -5,12 +5,12 @@
 // In: `triangles`, three vertices each. Out: `neighbours`, the triangle over the edge opposite each
 // corner, or NONE.
 
-struct Counts {
+struct EdgeCounts {
     edges: u32,
     mask: u32, // slots - 1, a power of two less one
 }
 
-@group(0) @binding(1) var<uniform> counts: Counts;
+@group(0) @binding(1) var<uniform> edge_counts: EdgeCounts;
 @group(0) @binding(2) var<storage, read> triangles: array<u32>;
 @group(0) @binding(3) var<storage, read_write> slots: array<atomic<u32>>;  // edge + 1; 0: free
 @group(0) @binding(4) var<storage, read_write> owners: array<atomic<u32>>; // edges with the key
@@ -28,13 +28,13 @@ fn edge_key(edge: u32) -> vec2u {
 }
 
 fn first_slot(key: vec2u) -> u32 {
-    return hash2(key.x, key.y) & counts.mask;
+    return hash2(key.x, key.y) & edge_counts.mask;
 }
 
 @compute @workgroup_size(64)
 fn insert(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let edge = linear_index(id, groups);
-    if edge >= counts.edges {
+    if edge >= edge_counts.edges {
         return;
     }
     let key = edge_key(edge);
@@ -48,7 +48,7 @@ fn insert(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
             atomicAdd(&owners[slot], 1u);
             return;
         }
-        slot = (slot + 1u) & counts.mask;
+        slot = (slot + 1u) & edge_counts.mask;
     }
 }
 
@@ -60,7 +60,7 @@ fn find(key: vec2u) -> u32 {
         if all(edge_key(entry - 1u) == key) {
             return slot;
         }
-        slot = (slot + 1u) & counts.mask;
+        slot = (slot + 1u) & edge_counts.mask;
         entry = atomicLoad(&slots[slot]);
     }
     return NONE;
@@ -70,7 +70,7 @@ fn find(key: vec2u) -> u32 {
 @compute @workgroup_size(64)
 fn lookup(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let edge = linear_index(id, groups);
-    if edge >= counts.edges {
+    if edge >= edge_counts.edges {
         return;
     }
     let key = edge_key(edge);

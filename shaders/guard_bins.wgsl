@@ -4,7 +4,7 @@
 // only those are grown.
 // In: `strand_vertices` (cm) or `roots`. Out: `bin_counts`, `bins`, `tile_roots`.
 
-struct Tiles {
+struct TileGrid {
     origin: vec2i,   // of the grid, samples
     size: vec2u,     // of a tile, samples
     grid: vec2u,     // tiles
@@ -12,8 +12,8 @@ struct Tiles {
     length: f32,     // of the longest strand including all displacements, cm
 }
 
-@group(0) @binding(1) var<uniform> batch: StrandBatch;
-@group(0) @binding(2) var<uniform> tiles: Tiles;
+@group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
+@group(0) @binding(2) var<uniform> tile_grid: TileGrid;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(5) var<storage, read_write> bin_counts: array<atomic<u32>>;
@@ -54,25 +54,25 @@ fn touched(strand: u32) -> vec4i {
         return vec4i(0, 0, -1, -1);
     }
     if crosses_near {
-        return vec4i(vec2i(0), vec2i(tiles.grid) - 1);
+        return vec4i(vec2i(0), vec2i(tile_grid.grid) - 1);
     }
-    let origin = vec2f(tiles.origin);
-    let size = vec2f(tiles.size);
-    let a = vec2i(clamp(floor((low - tiles.margin - origin) / size), vec2f(0.0), vec2f(tiles.grid)));
-    let b = vec2i(clamp(floor((high + tiles.margin - origin) / size), vec2f(-1.0), vec2f(tiles.grid) - 1.0));
+    let origin = vec2f(tile_grid.origin);
+    let size = vec2f(tile_grid.size);
+    let a = vec2i(clamp(floor((low - tile_grid.margin - origin) / size), vec2f(0.0), vec2f(tile_grid.grid)));
+    let b = vec2i(clamp(floor((high + tile_grid.margin - origin) / size), vec2f(-1.0), vec2f(tile_grid.grid) - 1.0));
     return vec4i(a, b);
 }
 
 @compute @workgroup_size(64)
 fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let t = touched(i);
     for (var y = t.y; y <= t.w; y++) {
         for (var x = t.x; x <= t.z; x++) {
-            atomicAdd(&bin_counts[u32(y) * tiles.grid.x + u32(x)], 1u);
+            atomicAdd(&bin_counts[u32(y) * tile_grid.grid.x + u32(x)], 1u);
         }
     }
 }
@@ -80,13 +80,13 @@ fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
 @compute @workgroup_size(64)
 fn fill(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let t = touched(i);
     for (var y = t.y; y <= t.w; y++) {
         for (var x = t.x; x <= t.z; x++) {
-            let bin = u32(y) * tiles.grid.x + u32(x);
+            let bin = u32(y) * tile_grid.grid.x + u32(x);
             bins[bin_starts[bin] + atomicAdd(&bin_counts[bin], 1u)] = i;
         }
     }
@@ -95,19 +95,19 @@ fn fill(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 @compute @workgroup_size(64)
 fn gather(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let root = roots[i];
     let p = film_from_world(skin_position(prisms[root.prism].vertices, root_lambda(root)));
-    if p.z + tiles.length < frame.near {
+    if p.z + tile_grid.length < frame.near {
         return;
     }
-    let nearest = p.z - tiles.length;
+    let nearest = p.z - tile_grid.length;
     if nearest > frame.near {
         // A sphere around the root; away from the view axis its image is slightly elongated.
         let slope = max(frame.tan_x, frame.tan_y);
-        let radius = tiles.length * samples_per_slope() / nearest * sqrt(1.0 + 2.0 * slope * slope) + tiles.margin;
+        let radius = tile_grid.length * samples_per_slope() / nearest * sqrt(1.0 + 2.0 * slope * slope) + tile_grid.margin;
         let low = vec2f(frame.tile_origin) - radius;
         let high = vec2f(frame.tile_origin + vec2i(frame.tile_size)) + radius;
         if any(p.xy < low) || any(p.xy > high) {

@@ -8,7 +8,6 @@
 struct Bin {
     start: u32,
     strands: u32,
-    padding: vec2u,
 }
 
 @group(0) @binding(1) var<uniform> bin: Bin;

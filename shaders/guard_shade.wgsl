@@ -4,7 +4,7 @@
 // In: `strand_vertices` (cm), `tau`, the scattering tables, groom and lights. Out: `shades`, linear
 // RGB radiance towards the eye.
 
-@group(0) @binding(1) var<uniform> batch: StrandBatch;
+@group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
@@ -78,7 +78,7 @@ fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let root = roots[i];

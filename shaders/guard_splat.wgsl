@@ -3,7 +3,7 @@
 // `normalise` divides by the nodes' volumes and adds the undercoat.
 // In: `strand_vertices` (cm), `columns`. Out: `lattice_extinction` in 1/cm.
 
-@group(0) @binding(1) var<uniform> batch: StrandBatch;
+@group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -39,7 +39,7 @@ const PARTS: u32 = 2u;              // deposits per segment
 @compute @workgroup_size(64)
 fn deposit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let first = i * (groom.segments + 1u);

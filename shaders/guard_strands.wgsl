@@ -3,7 +3,7 @@
 // In: `roots`, groom parameters and maps. Out: `strand_vertices` (shared/strands), `segments + 1`
 // per strand, in cm.
 
-@group(0) @binding(1) var<uniform> batch: StrandBatch;
+@group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -54,7 +54,7 @@ fn diameter(s: f32) -> f32 {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.strands {
+    if i >= strand_batch.strands {
         return;
     }
     let root = roots[i];

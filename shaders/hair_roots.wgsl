@@ -3,14 +3,14 @@
 // depend on the order of threads.
 // In: skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by `emit`.
 
-struct Batch {
+struct RootRange {
     first: u32,      // triangle
     count: u32,      // triangles
     density: f32,    // largest density, 1/cm2
     seed: u32,
 }
 
-@group(0) @binding(1) var<uniform> batch: Batch;
+@group(0) @binding(1) var<uniform> root_range: RootRange;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -32,13 +32,13 @@ fn candidates(prism: u32) -> u32 {
     let v = prisms[prism].vertices;
     let p0 = shell_vertices[v.x].position;
     let area = 0.5 * length(cross(shell_vertices[v.y].position - p0, shell_vertices[v.z].position - p0));
-    return u32(area * batch.density + random(hash2(batch.seed, prism), 0u));
+    return u32(area * root_range.density + random(hash2(root_range.seed, prism), 0u));
 }
 
 // Barycentric coordinates of the k-th candidate: a quasirandom sequence with a random start spreads
 // the roots evenly over the triangle.
 fn candidate(prism: u32, k: u32) -> vec3f {
-    let seed = hash2(batch.seed, prism);
+    let seed = hash2(root_range.seed, prism);
     let u = r2_point(random2(seed, 1u), k);
     let r = sqrt(u.x); // [Turk1990]
     return vec3f(1.0 - r, r * (1.0 - u.y), r * u.y);
@@ -47,16 +47,16 @@ fn candidate(prism: u32, k: u32) -> vec3f {
 // Whether a candidate survives the thinning by the density map.
 fn grows(prism: u32, k: u32, lambda: vec3f) -> bool {
     let wanted = scalar(GUARD_DENSITY, skin_point(prism, lambda));
-    return random(hash2(batch.seed, prism), 3u + k) * batch.density < wanted;
+    return random(hash2(root_range.seed, prism), 3u + k) * root_range.density < wanted;
 }
 
 @compute @workgroup_size(64)
 fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.count {
+    if i >= root_range.count {
         return;
     }
-    let prism = batch.first + i;
+    let prism = root_range.first + i;
     let n = candidates(prism);
     var grown = 0u;
     for (var k = 0u; k < n; k++) {
@@ -68,16 +68,16 @@ fn count(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
 @compute @workgroup_size(64)
 fn emit(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= batch.count {
+    if i >= root_range.count {
         return;
     }
-    let prism = batch.first + i;
+    let prism = root_range.first + i;
     let n = candidates(prism);
     var at = first_roots[i];
     for (var k = 0u; k < n; k++) {
         let lambda = candidate(prism, k);
         if grows(prism, k, lambda) {
-            roots[at] = Root(prism, hash2(hash2(batch.seed, prism), 0x10000u + k), lambda.yz);
+            roots[at] = Root(prism, hash2(hash2(root_range.seed, prism), 0x10000u + k), lambda.yz);
             at++;
         }
     }

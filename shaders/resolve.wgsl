@@ -3,7 +3,7 @@
 // virtual fragments; `stored` sorts and blends the fragments that undercoat_march stored: shell
 // fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, the volume, `source` (light at the lattice's nodes), `base_records`.
-// Out: `samples` (shared/film_sample), premultiplied linear RGB; `lost_rays`, counters.
+// Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`, counters.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -15,7 +15,7 @@
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
 // Rays lost; longest list.
-@group(0) @binding(10) var<storage, read_write> lost_rays: array<atomic<u32>>;
+@group(0) @binding(10) var<storage, read_write> march_counters: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
 
 #import shared/frame
@@ -67,7 +67,7 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     samples[2u * i] = packed[0];
     samples[2u * i + 1u] = packed[1];
     if (*g).fragments > 0u {
-        atomicMax(&lost_rays[1], (*g).fragments);
+        atomicMax(&march_counters[1], (*g).fragments);
     }
 }
 
@@ -181,7 +181,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         }
     }
     if march.lost > 0u {
-        atomicAdd(&lost_rays[0], 1u);
+        atomicAdd(&march_counters[0], 1u);
     }
     finish(i, xy, &g);
 }

@@ -3,12 +3,12 @@
 // slope of the top, `vertices` extrudes, `prisms_of_triangles` joins the tables.
 // In: `skin_vertices`, height map (cm), `neighbours`. Out: `shell_vertices`, `prisms`.
 
-struct Counts {
+struct ShellCounts {
     vertices: u32,
     triangles: u32,
 }
 
-@group(0) @binding(1) var<uniform> counts: Counts;
+@group(0) @binding(1) var<uniform> shell_counts: ShellCounts;
 @group(0) @binding(2) var<uniform> groom: Groom;
 @group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
 @group(0) @binding(4) var<storage, read> skin_vertices: array<ShellVertex>; // height: unused
@@ -43,7 +43,7 @@ fn wanted_height(v: u32) -> f32 {
 @compute @workgroup_size(64)
 fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
-    if t >= counts.triangles {
+    if t >= shell_counts.triangles {
         return;
     }
     let v = triangle_vertices(t);
@@ -75,7 +75,7 @@ const STEEPEST: f32 = 0.8;
 @compute @workgroup_size(64)
 fn spread(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
-    if t >= counts.triangles {
+    if t >= shell_counts.triangles {
         return;
     }
     for (var k = 0u; k < 3u; k++) {
@@ -92,7 +92,7 @@ fn spread(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
 @compute @workgroup_size(64)
 fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let v = linear_index(id, groups);
-    if v >= counts.vertices {
+    if v >= shell_counts.vertices {
         return;
     }
     var s = skin_vertices[v];
@@ -103,7 +103,7 @@ fn vertices(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) g
 @compute @workgroup_size(64)
 fn prisms_of_triangles(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
-    if t >= counts.triangles {
+    if t >= shell_counts.triangles {
         return;
     }
     let first = 3u * t;

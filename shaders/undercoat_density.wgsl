@@ -2,11 +2,11 @@
 // sec. 3.2; four bytes per subelement. One invocation fills one layer of one prism.
 // In: `prisms`, noise tables, uv. Out: `cells`, packed media (shared/undercoat).
 
-struct Counts {
+struct DensityCounts {
     triangles: u32,
 }
 
-@group(0) @binding(1) var<uniform> counts: Counts;
+@group(0) @binding(1) var<uniform> density_counts: DensityCounts;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
 @group(0) @binding(3) var<uniform> noise: Noise;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
@@ -27,7 +27,7 @@ struct Counts {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= counts.triangles * fur.layers {
+    if i >= density_counts.triangles * fur.layers {
         return;
     }
     let layer = i % fur.layers;

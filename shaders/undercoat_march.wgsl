@@ -2,7 +2,7 @@
 // one shell fragment per entry, or virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact
 // mode marches in the resolve pass instead.
 // In: entries in `fragment_lists`, the volume, `source` (light at the lattice's nodes). Out: volume
-// fragments in `fragment_lists`, premultiplied; `lost_rays`.
+// fragments in `fragment_lists`, premultiplied; `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -12,7 +12,7 @@
 @group(0) @binding(6) var<storage, read> source: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
-@group(0) @binding(9) var<storage, read_write> lost_rays: array<atomic<u32>>;
+@group(0) @binding(9) var<storage, read_write> march_counters: array<atomic<u32>>;
 @group(0) @binding(10) var<uniform> undercoat_fibre: Fibre;
 
 #import shared/frame
@@ -140,6 +140,6 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         march.z = max(march.z, consumed);
     }
     if march.lost > 0u {
-        atomicAdd(&lost_rays[0], 1u);
+        atomicAdd(&march_counters[0], 1u);
     }
 }

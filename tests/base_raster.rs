@@ -1,6 +1,6 @@
 //! `base_raster` against its twin, and against plain ray casting.
 
-use crate::common::gpu::{self, Fixture, Tile};
+use crate::common::gpu::{self, Fixture};
 use glam::Vec3;
 use pelage_fur::layout::Frame;
 use pelage_fur::shell::Shell;
@@ -42,11 +42,11 @@ fn samples_see_the_triangles_of_the_twin() {
         let shell = &fixture.shell;
         let light: Vec<[u32; 2]> = fixture.read("base_light", fixture.fur.columns as usize);
         for (origin, size) in [([0, 0], FILM), ([37, 20], [41, 33])] {
-            let tile = Tile::new(&fixture, FILM, origin, size, 16);
-            tile.draw_base(&fixture);
-            let found = tile.triangle_ids(gpu);
+            let tile = fixture.tile(FILM, origin, size, 16);
+            tile.draw_base().unwrap();
+            let found = gpu::triangle_ids(&tile);
             let wanted = triangles(&tile.frame, shell);
-            let records = tile.base_records(gpu);
+            let records = tile.base_records().unwrap();
             let mut seen = 0;
             for (i, (found, wanted)) in found.iter().zip(wanted).enumerate() {
                 let xy = [i as u32 % size[0], i as u32 / size[0]];
@@ -86,13 +86,13 @@ fn samples_see_the_triangles_of_the_twin() {
 fn a_tile_sees_what_the_whole_film_sees() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = fixture(gpu, "shape = \"torus\"\nsize = 2");
-    let whole = Tile::new(&fixture, FILM, [0, 0], FILM, 16);
-    whole.draw_base(&fixture);
-    let whole = whole.triangle_ids(gpu);
+    let whole = fixture.tile(FILM, [0, 0], FILM, 16);
+    whole.draw_base().unwrap();
+    let whole = gpu::triangle_ids(&whole);
     let (origin, size) = ([31, 17], [53, 44]);
-    let tile = Tile::new(&fixture, FILM, origin, size, 16);
-    tile.draw_base(&fixture);
-    for (i, id) in tile.triangle_ids(gpu).into_iter().enumerate() {
+    let tile = fixture.tile(FILM, origin, size, 16);
+    tile.draw_base().unwrap();
+    for (i, id) in gpu::triangle_ids(&tile).into_iter().enumerate() {
         let (x, y) = (i as u32 % size[0] + origin[0] as u32, i as u32 / size[0] + origin[1] as u32);
         assert_eq!(id, whole[(y * FILM[0] + x) as usize], "sample {x} {y}");
     }

@@ -1,6 +1,6 @@
 //! `film` against its twin: samples of every kind to pixels.
 
-use crate::common::gpu::{self, Fixture, Tile};
+use crate::common::gpu::{self, Fixture};
 use crate::common::worlds::{self, ball};
 use bytemuck::Zeroable;
 use pelage_core::scene::Filter;
@@ -41,7 +41,7 @@ fn pixels_agree_with_the_twin() {
         let (reach, weights, taps) = weights(filter, grid);
         let pixels = [7u32, 5];
         let size = pixels.map(|p| p * grid + 2 * reach);
-        let tile = Tile::new(&fixture, [96, 64], [0, 0], size, 16);
+        let tile = fixture.tile([96, 64], [0, 0], size, 16);
         let words = samples(size[0] * size[1]);
         let all: Vec<Sample> = words.iter().map(|w| unpack(*w)).collect();
         let count = u64::from(pixels[0] * pixels[1]);
@@ -63,7 +63,7 @@ fn pixels_agree_with_the_twin() {
                 ..Reconstruction::zeroed()
             };
             let uniform = gpu.uniform("reconstruction", &r).unwrap();
-            let scope = tile.scope(&fixture).with(&[&input, &output, &uniform]);
+            let scope = tile.scope().with(&[&input, &output, &uniform]);
             let mut recorder = Recorder::new(gpu);
             fixture.prepared.passes.film.record(&mut recorder, &scope, count).unwrap();
             recorder.submit(&mut Timings::default()).unwrap();

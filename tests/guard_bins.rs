@@ -1,11 +1,13 @@
 //! `guard_bins` against its twin: each tile has the strands that touch it, each once.
 
-use crate::common::gpu::{self, Fixture, Tile, jittered_grid, scaled, world_on};
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage_fur::layout::Root;
+use pelage_fur::layout::TileGrid;
 use pelage_fur::strands::position;
 use pelage_gpu::Recorder;
 use pelage_gpu::recorder::Timings;
-use pelage_render::twin::guard_bins::{Tiles, may_touch, touched};
+use pelage_render::probe::Probe;
+use pelage_render::twin::guard_bins::{may_touch, touched};
 use pelage_render::twin::guard_raster::segment;
 
 const FILM: [u32; 2] = [150, 100];
@@ -18,21 +20,17 @@ fn fixture(gpu: &'static pelage_gpu::Gpu, camera: &str) -> Fixture {
 }
 
 /// Strands by tile, sorted, as the GPU finds them.
-fn bins(fixture: &Fixture, tile: &Tile, tiles: &Tiles) -> Vec<Vec<u32>> {
+fn bins(fixture: &Fixture, tile: &Probe<'_>, tiles: &TileGrid) -> Vec<Vec<u32>> {
     let p = &fixture.prepared;
     let strands = p.resident.as_ref().unwrap();
     let [w, h] = tiles.grid;
     let n = u64::from(w * h);
-    let [x, y] = tiles.origin.map(|o| o as u32);
-    let uniform = p
-        .gpu
-        .uniform("tiles", &[x, y, tiles.size[0], tiles.size[1], w, h, tiles.margin.to_bits(), 0])
-        .unwrap();
+    let uniform = p.gpu.uniform("tile_grid", tiles).unwrap();
     let counts = p.gpu.storage("bin_counts", 6, n * 4).unwrap();
     let run = |list: Option<(&pelage_gpu::Buffer, &pelage_gpu::Buffer)>| {
         let mut recorder = Recorder::new(p.gpu);
         recorder.clear(&counts, n * 4);
-        let scope = strands.scope(&tile.scope(fixture)).with(&[&uniform, &counts]);
+        let scope = strands.scope(&tile.scope()).with(&[&uniform, &counts]);
         match list {
             None => p.passes.guard_bins.record_count(&mut recorder, &scope, strands.count).unwrap(),
             Some((starts, list)) => {
@@ -68,8 +66,8 @@ fn bins_are_those_of_the_twin() {
     ];
     for (camera, size, grid) in cases {
         let fixture = fixture(gpu, camera);
-        let tile = Tile::new(&fixture, FILM, [0, 0], FILM, 16);
-        let tiles = Tiles { origin: [0, 0], size, grid, margin: 3.0 };
+        let tile = fixture.tile(FILM, [0, 0], FILM, 16);
+        let tiles = TileGrid { origin: [0, 0], size, grid, margin: 3.0, length: 0.0 };
         let found = bins(&fixture, &tile, &tiles);
         let vertices = fixture.strand_vertices();
         let mut wanted = vec![Vec::new(); found.len()];
@@ -94,8 +92,8 @@ fn bins_are_those_of_the_twin() {
 fn every_fragment_lies_in_a_tile_that_has_its_strand() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = fixture(gpu, "eye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40");
-    let tile = Tile::new(&fixture, FILM, [0, 0], FILM, 16);
-    let tiles = Tiles { origin: [0, 0], size: [16, 16], grid: [10, 7], margin: 0.0 };
+    let tile = fixture.tile(FILM, [0, 0], FILM, 16);
+    let tiles = TileGrid { origin: [0, 0], size: [16, 16], grid: [10, 7], margin: 0.0, length: 0.0 };
     let segments = fixture.prepared.segments as usize;
     let roots: Vec<Root> = fixture.read("roots", fixture.strands());
     let vertices = fixture.strand_vertices();
@@ -118,17 +116,19 @@ fn gathered_roots_are_all_that_may_touch_a_tile() {
     let fixture = fixture(gpu, "eye = [6, 7, 9]\ntarget = [2.5, 0, 2.5]\nfov = 40");
     let p = &fixture.prepared;
     let strands = p.resident.as_ref().unwrap();
-    let tile = Tile::new(&fixture, FILM, [60, 40], [24, 24], 16);
+    let tile = fixture.tile(FILM, [60, 40], [24, 24], 16);
     let (length, margin) = (1.2f32, 2.0f32);
     let n = u64::from(strands.count);
     let buffers = [
-        p.gpu.uniform("tiles", &[0, 0, 24, 24, 1, 1, margin.to_bits(), length.to_bits()]).unwrap(),
+        p.gpu
+            .uniform("tile_grid", &TileGrid { origin: [0; 2], size: [24; 2], grid: [1; 2], margin, length })
+            .unwrap(),
         p.gpu.storage("bin_counts", 6, 4).unwrap(),
         p.gpu.storage("tile_roots", 6, n * 16).unwrap(),
         p.gpu.storage("bins", 6, n * 4).unwrap(),
     ];
     let mut recorder = Recorder::new(p.gpu);
-    let scope = strands.scope(&tile.scope(&fixture)).with(&buffers.iter().collect::<Vec<_>>());
+    let scope = strands.scope(&tile.scope()).with(&buffers.iter().collect::<Vec<_>>());
     p.passes.guard_bins.record_gather(&mut recorder, &scope, strands.count).unwrap();
     recorder.submit(&mut Timings::default()).unwrap();
     let count = p.gpu.read::<u32>(&buffers[1], 4).unwrap()[0];

@@ -1,14 +1,17 @@
 //! `guard_raster` against its twin, and the coverage of ribbons.
 
-use crate::common::gpu::{self, Fixture, Node, Tile, jittered_grid, scaled, world_on};
-use glam::{Vec3, Vec4};
+use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
+use glam::Vec3;
+use pelage_fur::layout::Bin;
 use pelage_fur::layout::Root;
 use pelage_fur::strands::{radius, vertex};
 use pelage_fur::view::{ray_through, samples_per_slope};
 use pelage_gpu::Recorder;
 use pelage_gpu::recorder::Timings;
+use pelage_render::probe::Probe;
 use pelage_render::twin::base_raster::NO_BASE;
 use pelage_render::twin::guard_raster::{ribbon_coverage, segment};
+use pelage_render::twin::resolve::Node;
 
 const FILM: [u32; 2] = [160, 110];
 
@@ -28,27 +31,27 @@ struct Strands {
 }
 
 /// The fragments of each sample; the skin lies at depth `base`.
-fn draw(fixture: &Fixture, tile: &Tile, strands: &Strands, base: f32) -> Vec<Vec<Node>> {
+fn draw(fixture: &Fixture, tile: &Probe<'_>, strands: &Strands, base: f32) -> Vec<Vec<Node>> {
     let p = &fixture.prepared;
     let n = strands.roots.len() as u32;
     let samples = (tile.frame.tile_size[0] * tile.frame.tile_size[1]) as usize;
     p.gpu.queue.write_buffer(
-        &tile.buffer("base_records").raw,
+        &tile.buffers().buffer("base_records").unwrap().raw,
         0,
         bytemuck::cast_slice(&vec![[base, 0.0, 0.0, 0.0]; samples]),
     );
     let buffers = [
-        p.gpu.uniform("bin", &[0, n, 0, 0]).unwrap(),
+        p.gpu.uniform("bin", &Bin { start: 0, strands: n }).unwrap(),
         p.gpu.upload("bins", 6, &(0..n).collect::<Vec<u32>>()).unwrap(),
         p.gpu.upload("roots", 3, &strands.roots).unwrap(),
         p.gpu.upload("strand_vertices", 3, &strands.vertices).unwrap(),
         p.gpu.upload("shades", 3, &strands.shades).unwrap(),
     ];
     let mut recorder = Recorder::new(p.gpu);
-    let scope = tile.scope(fixture).with(&buffers.iter().collect::<Vec<_>>());
+    let scope = tile.scope().with(&buffers.iter().collect::<Vec<_>>());
     p.passes.guard_raster.record(&mut recorder, &scope, n, p.segments).unwrap();
     recorder.submit(&mut Timings::default()).unwrap();
-    tile.lists(p.gpu)
+    tile.lists().unwrap()
 }
 
 #[test]
@@ -63,7 +66,7 @@ fn fragments_are_those_of_the_twin() {
             shades: fixture.read("shades", fixture.strands() * 7),
         };
         let size = [120, 90];
-        let tile = Tile::new(&fixture, FILM, [20, 10], size, 400_000);
+        let tile = fixture.tile(FILM, [20, 10], size, 400_000);
         let base = 11.0;
         let found = draw(&fixture, &tile, &strands, base);
         let mut wanted = vec![Vec::new(); found.len()];
@@ -83,7 +86,7 @@ fn fragments_are_those_of_the_twin() {
         for (i, (found, wanted)) in found.iter().zip(&wanted).enumerate() {
             for f in wanted {
                 let twin = found.iter().filter(|n| n.source == f.source);
-                let away = |n: &Node| (Vec4::from(n.color) - f.color).abs().max_element();
+                let away = |n: &Node| (n.color - f.color).abs().max_element();
                 match twin.min_by(|a, b| away(a).total_cmp(&away(b))) {
                     // Halves, and rounding where a ribbon is much shorter than a sample.
                     Some(n) if away(n) < 4e-3 && (n.z - f.z).abs() < 1e-3 => {}
@@ -101,7 +104,7 @@ fn fragments_are_those_of_the_twin() {
 }
 
 /// A straight strand at depth `z` between two points of the film, in samples, all of one width.
-fn straight(tile: &Tile, ends: [[f32; 2]; 2], width: f32, segments: u32) -> Strands {
+fn straight(tile: &Probe<'_>, ends: [[f32; 2]; 2], width: f32, segments: u32) -> Strands {
     let z = 8.0;
     let world = |s: [f32; 2]| Vec3::from(tile.frame.eye) + z * ray_through(&tile.frame, s.into());
     let radius_cm = 0.5 * width * z / samples_per_slope(&tile.frame);
@@ -122,7 +125,7 @@ fn coverage_adds_up_to_the_width() {
     // Along x and along y, level and slanting. The slopes are irrational, so that all phases occur.
     for (slope, tolerance) in [(0.0, 1e-3), (0.381_966, 4e-3), (0.763_932, 4e-3)] {
         for (steep, width) in [(false, 0.07), (false, 0.8), (true, 1.7), (true, 6.3)] {
-            let tile = Tile::new(&fixture, FILM, [0, 0], FILM, 100_000);
+            let tile = fixture.tile(FILM, [0, 0], FILM, 100_000);
             let (long, from) = if steep { (90.0, 10.0) } else { (120.0, 10.3) };
             let ends = [[from, 12.4], [from + long, 12.4 + slope * long]];
             let ends = if steep { ends.map(|[a, b]| [b, a]) } else { ends };

@@ -61,7 +61,7 @@ fn deposits_are_those_of_the_twin() {
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // What the passes kept.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-        let coat = fixture.undercoat(&[]);
+        let coat = fixture.evaluated_undercoat();
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
         let mut seen = [0.0f32; 2];
         for (i, word) in kept.iter().enumerate() {

@@ -9,6 +9,7 @@ mod bake_files;
 mod bake_sources;
 mod base_raster;
 mod bench;
+mod bindings;
 mod blending;
 mod cli;
 mod compare;

@@ -137,7 +137,7 @@ fn made_up(count: usize, seed: u32) -> Vec<Vec<Node>> {
 fn resolved(m: &Marched, lists: &[Vec<Node>], seed: u32) -> Vec<Sample> {
     let gpu = m.fixture.prepared.gpu;
     gpu.queue.write_buffer(
-        &m.tile.buffer("fragment_lists").raw,
+        &m.tile.buffers().buffer("fragment_lists").unwrap().raw,
         0,
         bytemuck::cast_slice(&words(lists, seed)),
     );

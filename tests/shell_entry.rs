@@ -1,6 +1,7 @@
 //! `shell_entry` against its twin, and against plain ray casting.
 
-use crate::common::gpu::{self, Fixture, Tile};
+use crate::common::gpu::{self, Fixture};
+use glam::Vec4;
 use pelage_fur::view::sample_ray;
 use pelage_render::twin::base_raster::{NO_BASE, project, unpack};
 use pelage_render::twin::light_occlusion::hit;
@@ -24,20 +25,20 @@ fn rays_enter_where_the_twin_says() {
         let border: Vec<[u32; 2]> = fixture.read("border", fixture.prepared.walls as usize);
         assert_eq!(open, !border.is_empty());
         let (origin, size) = ([5, 3], [80, 60]);
-        let tile = Tile::new(&fixture, FILM, origin, size, 100_000);
-        tile.draw_base(&fixture);
-        tile.draw_entries(&fixture);
-        let base_z: Vec<f32> = tile.base_records(gpu).into_iter().map(|r| unpack(r).z).collect();
+        let tile = fixture.tile(FILM, origin, size, 100_000);
+        tile.draw_base().unwrap();
+        tile.draw_entries().unwrap();
+        let base_z: Vec<f32> = tile.base_records().unwrap().into_iter().map(|r| unpack(r).z).collect();
         let wanted = entries(&tile.frame, &fixture.shell, &border, &base_z);
         let free = entries(&tile.frame, &fixture.shell, &border, &vec![NO_BASE; base_z.len()]);
         let hidden = free.iter().map(Vec::len).sum::<usize>() - wanted.iter().map(Vec::len).sum::<usize>();
         assert!(open || hidden > 50, "{mesh}: {hidden} entries lie behind the skin");
         let faces = faces(&fixture.shell, &border);
         let (mut total, mut odd, mut through_walls) = (0, 0, 0);
-        for (i, (found, wanted)) in tile.lists(gpu).iter().zip(&wanted).enumerate() {
+        for (i, (found, wanted)) in tile.lists().unwrap().iter().zip(&wanted).enumerate() {
             let xy = [i as u32 % size[0], i as u32 / size[0]];
             total += wanted.len();
-            assert!(found.iter().all(|n| n.source >> 30 == KIND_ENTRY && n.color == [0.0; 4]));
+            assert!(found.iter().all(|n| n.source >> 30 == KIND_ENTRY && n.color == Vec4::ZERO));
             let near = |z: f32| 1e-4 * (1.0 + z);
             // Entries that no rounding can have made or lost.
             let mut sure = true;

@@ -18,9 +18,8 @@ fn furry(undercoat: &str, seed: u32) -> pelage_core::World {
 
 /// Largest difference of the stored volume from the twin's: density, tangent.
 fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
-    let cells = fixture.cells();
-    assert_eq!(cells.len(), wanted.len());
-    let both = cells.into_iter().map(unpack_medium).zip(wanted);
+    assert_eq!(fixture.cells.len(), wanted.len());
+    let both = fixture.cells.iter().copied().map(unpack_medium).zip(wanted);
     both.fold((0.0, 0.0), |(density, tangent), (found, wanted)| {
         let clamped = wanted.density.min(DENSITY_RANGE);
         (
@@ -31,7 +30,7 @@ fn differences(fixture: &Fixture, wanted: &[Medium]) -> (f32, f32) {
 }
 
 fn twin(fixture: &Fixture) -> Vec<Medium> {
-    media(&fixture.undercoat(&[]))
+    media(&fixture.evaluated_undercoat())
 }
 
 #[test]
@@ -67,7 +66,7 @@ fn another_seed_is_seen() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = Fixture::new(gpu, furry("subdivision = 2", 3));
     let other = pelage_fur::layout::FurParameters { seed: 4, ..fixture.fur };
-    let wanted = media(&Undercoat { fur: &other, ..fixture.undercoat(&[]) });
+    let wanted = media(&Undercoat { fur: &other, ..fixture.evaluated_undercoat() });
     let (density, tangent) = differences(&fixture, &wanted);
     assert!(density > 0.05 && tangent > 0.05, "{density} {tangent}");
 }

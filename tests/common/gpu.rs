@@ -5,20 +5,12 @@ use glam::{Vec2, Vec3};
 use pelage_core::assets::Assets;
 use pelage_core::maps::{MapImage, MapSet};
 use pelage_core::{Scene, Skin, World};
-use pelage_fur::camera;
-use pelage_fur::groom;
-use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::{Frame, FurParameters};
-use pelage_fur::parameters::Maps;
-use pelage_fur::shell::Shell;
-use pelage_fur::simplex::Field;
-use pelage_fur::undercoat::Undercoat;
-use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
-use pelage_gpu::recorder::{RasterTargets, Timings};
-use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope, shader};
-use pelage_render::prepare::Prepared;
+use pelage_fur::layout::Frame;
+use pelage_gpu::{Buffer, Gpu, shader};
+use pelage_render::probe::{PreparedWorld, Probe, frame_of};
 use pelage_render::shaders;
-use std::sync::OnceLock;
+use std::ops::Deref;
+use std::sync::{Arc, OnceLock};
 
 /// The adapter; `None`, with a note, where there is none. With `PELAGE_GPU=required` that is a
 /// failure.
@@ -103,73 +95,30 @@ pub fn jittered_grid(n: u32, displacement: f32) -> Skin {
 /// The frame of a world's whole film, of one sample a pixel.
 pub fn frame(world: &World) -> Frame {
     let film = [world.scene.film.width, world.scene.film.height];
-    camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed)
+    frame_of(world, film)
 }
 
 /// A prepared world with what its twins read.
-pub struct Fixture {
-    /// The world.
-    pub world: World,
-    /// Steps 1 to 3, done.
-    pub prepared: Prepared<'static>,
-    /// The shell as read back.
-    pub shell: Shell,
-    /// The groom as packed; its `fur` is not that of the renderer.
-    pub packed: PackedGroom,
-    /// Undercoat and lattice as the passes read them.
-    pub fur: FurParameters,
+pub struct Fixture(Arc<PreparedWorld<'static>>);
+
+impl Deref for Fixture {
+    type Target = PreparedWorld<'static>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.0
+    }
 }
 
 impl Fixture {
-    /// Prepares a world.
+    /// Runs steps 1 to 3.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
-        let frame = frame(&world);
-        let prepared = Prepared::new(gpu, &world, &frame, &mut Timings::default()).expect("steps 1 to 3");
-        let packed = groom::pack(&world).expect("a groom");
-        let fur = prepared.fur;
-        let mut fixture = Self { world, prepared, shell: Shell::default(), packed, fur };
-        fixture.shell = Shell {
-            vertices: fixture.read("shell_vertices", fixture.world.skin.positions.len()),
-            prisms: fixture.read("prisms", fixture.world.skin.triangles.len()),
-            corner_uv: match &fixture.world.skin.corner_uv {
-                Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),
-                None => vec![[0.0; 2]; 3 * fixture.world.skin.triangles.len()],
-            },
-            light_reach: fur.light_reach,
-        };
-        fixture
+        let film = [world.scene.film.width, world.scene.film.height];
+        Self(Arc::new(PreparedWorld::new(gpu, world, film).expect("steps 1 to 3")))
     }
 
     /// The first `count` elements of a buffer of the prepared world or of its strands.
     pub fn read<T: Pod>(&self, name: &str, count: usize) -> Vec<T> {
-        let of_strands = || self.prepared.resident.as_ref().and_then(|s| s.buffer(name));
-        let buffer =
-            self.prepared.buffer(name).or_else(of_strands).unwrap_or_else(|| panic!("no buffer {name}"));
-        self.prepared.gpu.read(buffer, (count * size_of::<T>()) as u64).expect("a read-back")
-    }
-
-    /// The groom and its maps.
-    pub fn maps(&self) -> Maps<'_> {
-        Maps { groom: &self.packed.groom, texels: &self.packed.texels }
-    }
-
-    /// The stored volume; empty where it is evaluated.
-    pub fn cells(&self) -> Vec<u32> {
-        if self.fur.storage == 1 {
-            self.read("cells", self.prepared.subelements as usize)
-        } else {
-            Vec::new()
-        }
-    }
-
-    /// The undercoat with the stored volume `cells`, or evaluated where that is empty.
-    pub fn undercoat<'a>(&'a self, cells: &'a [u32]) -> Undercoat<'a> {
-        Undercoat { fur: &self.fur, noise: self.noise(), shell: &self.shell, cells }
-    }
-
-    /// The noise of the scene's seed.
-    pub fn noise(&self) -> Field {
-        Field::new(self.world.scene.render.seed)
+        self.0.read(name, count).expect("a read-back")
     }
 
     /// Guard hairs.
@@ -181,149 +130,30 @@ impl Fixture {
     pub fn strand_vertices(&self) -> Vec<[f32; 4]> {
         self.read("strand_vertices", self.strands() * (self.prepared.segments as usize + 1))
     }
+
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    pub fn tile(&self, film: [u32; 2], origin: [i32; 2], size: [u32; 2], capacity: u64) -> Probe<'static> {
+        Probe::new(&self.0, film, origin, size, capacity).expect("a tile")
+    }
 }
 
-/// A fragment as the lists hold it.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Node {
-    /// Depth, cm.
-    pub z: f32,
-    /// Kind and id.
-    pub source: u32,
-    /// Premultiplied.
-    pub color: [f32; 4],
-}
-
-/// A tile with the buffers that steps 4 to 7 write.
-pub struct Tile {
-    /// Its frame globals.
-    pub frame: Frame,
-    buffers: Vec<Buffer>,
-    ids: wgpu::Texture,
-    views: [wgpu::TextureView; 2],
-    capacity: u64,
-}
-
-impl Tile {
-    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity`
-    /// fragments.
-    pub fn new(fixture: &Fixture, film: [u32; 2], origin: [i32; 2], size: [u32; 2], capacity: u64) -> Self {
-        let gpu = fixture.prepared.gpu;
-        let scene = &fixture.world.scene;
-        let mut frame = camera::frame(&scene.camera, film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
-        frame.tile_origin = origin;
-        frame.tile_size = size;
-        frame.node_capacity = capacity as u32;
-        let samples = u64::from(size[0] * size[1]);
-        let buffers = vec![
-            gpu.uniform("frame", &frame).unwrap(),
-            gpu.storage("base_records", 5, samples * 16).unwrap(),
-            gpu.storage("fragment_lists", 6, (1 + samples + 5 * capacity) * 4).unwrap(),
-        ];
-        use wgpu::TextureUsages as U;
-        let texture = |format, usage| {
-            gpu.device.create_texture(&wgpu::TextureDescriptor {
-                label: None,
-                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
-                mip_level_count: 1,
-                sample_count: 1,
-                dimension: wgpu::TextureDimension::D2,
-                format,
-                usage,
-                view_formats: &[],
-            })
-        };
-        let ids = texture(ID_FORMAT, U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC);
-        let depth = texture(DEPTH_FORMAT, U::RENDER_ATTACHMENT);
-        let views = [&ids, &depth].map(|t| t.create_view(&Default::default()));
-        Self { frame, buffers, ids, views, capacity }
-    }
-
-    /// The prepared world's buffers and the tile's.
-    pub fn scope<'a>(&'a self, fixture: &'a Fixture) -> Scope<'a> {
-        let scope = fixture.prepared.scope().with(&self.buffers.iter().collect::<Vec<_>>());
-        scope.and("triangle_ids", Resource::Texture(&self.views[0]))
-    }
-
-    /// What raster passes write to.
-    pub fn targets(&self) -> RasterTargets<'_> {
-        RasterTargets { ids: &self.views[0], depth: &self.views[1], size: self.frame.tile_size }
-    }
-
-    /// A buffer by its name.
-    pub fn buffer(&self, name: &str) -> &Buffer {
-        self.buffers.iter().find(|b| b.name == name).expect("a buffer of the tile")
-    }
-
-    /// Step 4.
-    pub fn draw_base(&self, fixture: &Fixture) {
-        let mut recorder = Recorder::new(fixture.prepared.gpu);
-        let pass = &fixture.prepared.passes.base_raster;
-        pass.record(&mut recorder, &self.scope(fixture), &self.targets(), fixture.prepared.triangles)
-            .unwrap();
-        recorder.submit(&mut Timings::default()).unwrap();
-    }
-
-    /// Step 5's entries.
-    pub fn draw_entries(&self, fixture: &Fixture) {
-        let p = &fixture.prepared;
-        let mut recorder = Recorder::new(p.gpu);
-        let pass = &p.passes.shell_entry;
-        pass.record(&mut recorder, &self.scope(fixture), &self.targets(), p.triangles, p.walls).unwrap();
-        recorder.submit(&mut Timings::default()).unwrap();
-    }
-
-    /// Base fragments, row by row.
-    pub fn base_records(&self, gpu: &Gpu) -> Vec<[u32; 4]> {
-        let [w, h] = self.frame.tile_size;
-        gpu.read(self.buffer("base_records"), u64::from(w * h) * 16).unwrap()
-    }
-
-    /// The triangle numbers, row by row; 0 where there is none, else the number + 1.
-    pub fn triangle_ids(&self, gpu: &Gpu) -> Vec<u32> {
-        let [w, h] = self.frame.tile_size;
-        let row = (w * 4).next_multiple_of(256);
-        let copy = gpu.storage("staging", 0, u64::from(row * h)).unwrap();
-        let mut encoder = gpu.device.create_command_encoder(&Default::default());
-        let layout =
-            wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
-        encoder.copy_texture_to_buffer(
-            self.ids.as_image_copy(),
-            wgpu::TexelCopyBufferInfo { buffer: &copy.raw, layout },
-            self.ids.size(),
-        );
-        gpu.queue.submit([encoder.finish()]);
-        let words: Vec<u32> = gpu.read(&copy, u64::from(row * h)).unwrap();
-        words.chunks(row as usize / 4).flat_map(|line| line[..w as usize].to_vec()).collect()
-    }
-
-    /// The fragments of each sample by depth and source, row by row.
-    pub fn lists(&self, gpu: &Gpu) -> Vec<Vec<Node>> {
-        let buffer = self.buffer("fragment_lists");
-        let words: Vec<u32> = gpu.read(buffer, buffer.size).unwrap();
-        assert!(u64::from(words[0]) <= self.capacity, "{} fragments, room for {}", words[0], self.capacity);
-        let [w, h] = self.frame.tile_size;
-        let samples = (w * h) as usize;
-        let half = |word: u32| half::f16::from_bits(word as u16).to_f32();
-        let mut seen = 0;
-        let lists: Vec<Vec<Node>> = (0..samples)
-            .map(|i| {
-                let mut nodes = Vec::new();
-                let mut node = words[1 + i];
-                while node != 0 {
-                    let at = &words[1 + samples + 5 * (node as usize - 1)..][..5];
-                    let color = [half(at[3]), half(at[3] >> 16), half(at[4]), half(at[4] >> 16)];
-                    nodes.push(Node { z: f32::from_bits(at[1]), source: at[2], color });
-                    node = at[0];
-                }
-                nodes.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.source.cmp(&b.source)));
-                seen += nodes.len();
-                nodes
-            })
-            .collect();
-        assert_eq!(seen, words[0] as usize, "every counted fragment is in one list");
-        lists
-    }
+/// The triangle numbers of a tile, row by row; 0 where there is none, else the number + 1.
+pub fn triangle_ids(tile: &Probe<'_>) -> Vec<u32> {
+    let gpu = tile.prepared.gpu;
+    let ids = tile.buffers().ids();
+    let [w, h] = tile.frame.tile_size;
+    let row = (w * 4).next_multiple_of(256);
+    let copy = gpu.storage("staging", 0, u64::from(row * h)).unwrap();
+    let mut encoder = gpu.device.create_command_encoder(&Default::default());
+    let layout = wgpu::TexelCopyBufferLayout { offset: 0, bytes_per_row: Some(row), rows_per_image: None };
+    encoder.copy_texture_to_buffer(
+        ids.as_image_copy(),
+        wgpu::TexelCopyBufferInfo { buffer: &copy.raw, layout },
+        ids.size(),
+    );
+    gpu.queue.submit([encoder.finish()]);
+    let words: Vec<u32> = gpu.read(&copy, u64::from(row * h)).unwrap();
+    words.chunks(row as usize / 4).flat_map(|line| line[..w as usize].to_vec()).collect()
 }
 
 /// Runs WGSL `code` (with `#import` lines) whose entry point `main` has workgroups of 64 and reads

@@ -27,8 +27,6 @@ pub struct Lit {
     pub guard: Vec<f32>,
     /// Densities of the columns.
     pub densities: Vec<f32>,
-    /// The stored volume.
-    pub cells: Vec<u32>,
     /// How multiple scattering is found, and its table.
     pub multiple: (MultipleModel, Option<Table>),
 }
@@ -44,12 +42,11 @@ impl Lit {
         let tau = fixture.read("tau", nodes * fur.tau_stride as usize);
         let extinction: Vec<u32> = fixture.read("lattice_extinction", nodes);
         let guard = extinction.into_iter().map(|word| halves(word)[1]).collect();
-        let cells = fixture.cells();
         let densities = columns.iter().map(|c| c.density).collect();
         let model = multiple_model(&fixture.world.scene);
         let tabulated = matches!(model, MultipleModel::Dual | MultipleModel::Transport);
         let table = tabulated.then(|| Table::of_world(&fixture.world, &fixture.packed));
-        Self { fixture, frame, columns, tau, guard, densities, cells, multiple: (model, table) }
+        Self { fixture, frame, columns, tau, guard, densities, multiple: (model, table) }
     }
 
     /// Nodes of the lattice.
@@ -74,12 +71,11 @@ impl Lit {
 
     /// The medium.
     pub fn undercoat(&self) -> Undercoat<'_> {
-        self.fixture.undercoat(&self.cells)
+        self.fixture.undercoat()
     }
 
     /// Where a node is.
     pub fn place(&self, column: u32, level: u32) -> Place {
-        let Fixture { fur, shell, .. } = &self.fixture;
-        lattice::node_place(shell, fur, &self.columns[column as usize], level).0
+        lattice::node_place(&self.fixture.shell, &self.fixture.fur, &self.columns[column as usize], level).0
     }
 }

@@ -128,7 +128,6 @@ impl Error {
         match self {
             Self::Io { .. } | Self::Gpu { .. } | Self::OutOfMemory { .. } => 1,
             Self::GoalMissed(_) | Self::Unsupported(_) | Self::Encoding(_) => 1,
-            Self::GoalMissed(_) | Self::Unsupported(_) | Self::Encoding(_) => 1,
             Self::Usage(_) => 2,
             Self::Scene(_) => 3,
             Self::Adapter(_) => 4,

@@ -1,7 +1,7 @@
 //! The groom as the passes read it: scene values in the units and structs of the shaders.
 
 use crate::fibre::Fibre;
-use crate::layout::{FurParameters, Groom, Light, Noise, Parameter};
+use crate::layout::{FurParameters, Groom, Light, MAX_LIGHTS, Noise, Parameter};
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 use pelage_core::maps::MapSet;
@@ -10,9 +10,6 @@ use pelage_core::scene::{
     ShellLighting,
 };
 use pelage_core::{Result, World};
-
-/// Largest number of directional lights.
-pub const MAX_LIGHTS: usize = 64;
 
 /// Words that the scattered light takes at a node of the light lattice, behind the optical depths: its mean radiance from above and from below.
 pub const SCATTERED_WORDS: u32 = 3;

@@ -4,6 +4,16 @@
 
 use bytemuck::{Pod, Zeroable};
 
+/// Largest number of directional lights.
+pub const MAX_LIGHTS: usize = 64;
+
+/// Words of a node of the fragment lists, `shared/oit.wgsl`: link, depth, kind and id, colour.
+pub const NODE_WORDS: u32 = 5;
+/// Words of a record of the skin under a sample, `shared/base.wgsl`: depth, radiance, normal.
+pub const BASE_WORDS: u32 = 4;
+/// Words of a sample of the film, `shared/film_sample.wgsl`.
+pub const SAMPLE_WORDS: u32 = 8;
+
 macro_rules! shared {
     ($($(#[$doc:meta])* struct $name:ident { $($field:ident: $ty:ty),* $(,)? })*) => {
         $(
@@ -260,5 +270,55 @@ shared! {
         a: u32,
         b: u32,
         opposite: [u32; 2],
+    }
+    /// `shared/root_types.wgsl`: the strands that a dispatch works on.
+    struct StrandBatch {
+        strands: u32,
+    }
+    /// `hair_roots.wgsl`: a range of triangles, the largest density (1/cm²) and the seed of the rendering.
+    struct RootRange {
+        first: u32,
+        count: u32,
+        density: f32,
+        seed: u32,
+    }
+    /// `guard_bins.wgsl`: a grid of tiles, samples.
+    struct TileGrid {
+        origin: [i32; 2],
+        size: [u32; 2],
+        grid: [u32; 2],
+        margin: f32,
+        length: f32,
+    }
+    /// `guard_raster.wgsl`: a range of the list of strands by tile.
+    struct Bin {
+        start: u32,
+        strands: u32,
+    }
+    /// `edge_table.wgsl`
+    struct EdgeCounts {
+        edges: u32,
+        mask: u32,
+    }
+    /// `shell_prisms.wgsl`
+    struct ShellCounts {
+        vertices: u32,
+        triangles: u32,
+    }
+    /// `undercoat_density.wgsl`
+    struct DensityCounts {
+        triangles: u32,
+    }
+    /// `undercoat_light.wgsl`: the level of nodes that a dispatch works on.
+    struct Sweep {
+        level: u32,
+    }
+    /// `shared/lights.wgsl`
+    struct Lights {
+        lights: [Light; MAX_LIGHTS],
+    }
+    /// `shellfin_rows.wgsl`
+    struct LightingTable {
+        values: [[f32; 4]; 256],
     }
 }

@@ -90,6 +90,12 @@ impl Buffer {
         ledger.add(step, size);
         Self { raw, name, size, step, ledger }
     }
+
+    /// The same buffer under the name of another shader variable.
+    pub fn renamed(mut self, name: &'static str) -> Self {
+        self.name = name;
+        self
+    }
 }
 
 /// Buffers that live together, by name.

@@ -3,7 +3,7 @@
 use crate::passes;
 use crate::plan::SamplePlan;
 use crate::prepare::Prepared;
-use crate::tile;
+use crate::{planes, tile};
 use glam::Vec2;
 use pelage_core::film::Film;
 use pelage_core::scene::Blend;
@@ -137,7 +137,7 @@ impl Rendering {
         let film = &world.scene.film;
         Self {
             started: Instant::now(),
-            film: tile::blank_film(film.width, film.height, options.aovs),
+            film: planes::blank_film(film.width, film.height, options.aovs),
             timings: Timings::default(),
             stats: Stats::default(),
             done: 0,

@@ -3,13 +3,18 @@
 pub mod driver;
 pub mod passes;
 pub mod plan;
+pub mod planes;
 pub mod prepare;
+pub mod probe;
 pub mod shaders;
 pub mod strands;
 pub mod tile;
+pub mod tile_buffers;
 pub mod twin;
 
 pub use driver::{Frame, Progress, RenderOptions, Rendering, drive, drive_on, known_stats, run};
 pub use plan::SamplePlan;
+pub use planes::write_tile;
 pub use shaders::open;
-pub use tile::{FRAGMENT_BYTES, Job, write_tile};
+pub use tile::Job;
+pub use tile_buffers::FRAGMENT_BYTES;

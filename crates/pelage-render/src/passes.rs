@@ -45,7 +45,7 @@ pub struct Variant {
     /// Scattering of the guard hairs, a number of [`pelage_fur::fibre::Fibre::number`].
     pub guard: u32,
     /// Scattering of the undercoat.
-    pub coat: u32,
+    pub undercoat: u32,
     /// How light scattered by more than one hair is found: 0 not or by similarity, 1 dual scattering, 2 transport.
     pub multiple: u32,
 }
@@ -56,7 +56,7 @@ impl Variant {
 
     /// A number below [`Variant::COUNT`].
     pub fn index(self) -> usize {
-        let models = self.guard.min(MODELS - 1) * MODELS + self.coat.min(MODELS - 1);
+        let models = self.guard.min(MODELS - 1) * MODELS + self.undercoat.min(MODELS - 1);
         usize::from(self.stored)
             + 2 * usize::from(self.nested)
             + 4 * (models * 3 + self.multiple.min(2)) as usize
@@ -67,7 +67,7 @@ impl Variant {
         [
             ("STORED", f64::from(u8::from(self.stored))),
             ("NESTED", f64::from(u8::from(self.nested))),
-            self.coat(),
+            self.undercoat(),
         ]
     }
 
@@ -81,8 +81,8 @@ impl Variant {
     }
 
     /// The constant that fixes the undercoat's model.
-    pub fn coat(self) -> (&'static str, f64) {
-        ("UNDERCOAT_MODEL", f64::from(self.coat))
+    pub fn undercoat(self) -> (&'static str, f64) {
+        ("UNDERCOAT_MODEL", f64::from(self.undercoat))
     }
 }
 

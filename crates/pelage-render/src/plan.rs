@@ -1,9 +1,11 @@
 //! Samples of a pixel: a regular grid within the pixel, several times over with displaced grids or lens points where that is not enough.
 
 use bytemuck::Zeroable;
-use glam::Vec2;
+use glam::{Vec2, Vec3};
+use pelage_core::World;
 use pelage_core::scene::{LensMethod, Scene};
-use pelage_fur::layout::Reconstruction;
+use pelage_fur::camera;
+use pelage_fur::layout::{Frame, Reconstruction};
 
 /// How the film is sampled.
 #[derive(Debug, Clone)]
@@ -71,6 +73,41 @@ impl SamplePlan {
             weights,
             ..Reconstruction::zeroed()
         }
+    }
+
+    /// The frame globals of a pass over the image; the tile is the whole film.
+    pub fn frame(&self, scene: &Scene, pass: usize) -> Frame {
+        let (jitter, lens) = self.passes[pass];
+        camera::frame(&scene.camera, self.film, lens, jitter, scene.render.seed)
+    }
+
+    /// Samples by which the lens can displace what is nearest or farthest of the fur.
+    pub fn blur_margin(&self, world: &World) -> f32 {
+        let camera = &world.scene.camera;
+        let Some(lens) = camera.lens.as_ref().filter(|_| self.passes.iter().any(|(_, l)| l.length() > 0.0))
+        else {
+            return 0.0;
+        };
+        let frame = self.frame(&world.scene, 0);
+        let (low, high) = world.skin.bounds();
+        let forward = Vec3::from(frame.forward);
+        let focus =
+            lens.focus.unwrap_or((Vec3::from(camera.target) - Vec3::from(camera.eye)).length()).max(1e-3);
+        let fur = world.scene.guard.length.max() + world.scene.undercoat.height.max();
+        (0..8)
+            .flat_map(|i| {
+                let corner = Vec3::new(
+                    if i & 1 == 0 { low.x } else { high.x },
+                    if i & 2 == 0 { low.y } else { high.y },
+                    if i & 4 == 0 { low.z } else { high.z },
+                );
+                let z = (corner - Vec3::from(camera.eye)).dot(forward);
+                [z - fur, z + fur].map(|z| {
+                    let z = z.max(frame.near);
+                    (1.0 / z - 1.0 / focus).abs() * lens.aperture * 0.5 * frame.film_size[1] / frame.tan_y
+                })
+            })
+            .fold(0.0, f32::max)
     }
 
     /// The filter's weights for a displacement of the grid, four a vector, and their number.

@@ -27,13 +27,13 @@ pub fn strands(world: &World) -> Result<HairFile> {
     let plan = SamplePlan::new(scene);
     let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
     let mut timings = Timings::default();
-    let mut prepared = Prepared::new(&gpu, world, &view, &mut timings)?;
+    let prepared = Prepared::new(&gpu, world, &view, &mut timings)?;
     let mut hair = HairFile::default();
     if let Some(strands) = &prepared.resident {
         append(&mut hair, &prepared, strands)?;
     } else {
-        for batch in prepared.root_batches(world, &mut timings)? {
-            let strands = prepared.grow(&batch, &mut timings)?;
+        for batch in &prepared.batches {
+            let strands = prepared.grow(batch, &mut timings)?;
             append(&mut hair, &prepared, &strands)?;
         }
     }
@@ -49,8 +49,7 @@ fn append(hair: &mut HairFile, prepared: &Prepared<'_>, strands: &Strands) -> Re
         Error::Unsupported(format!("{} segments a strand are too many for a HAIR file", prepared.segments))
     })?;
     let points = u64::from(strands.count) * (u64::from(segments) + 1);
-    let buffer =
-        strands.vertices().ok_or_else(|| Error::gpu("guard_strands", "there are no strand vertices"))?;
+    let buffer = strands.buffer("strand_vertices")?;
     // As guard_strands.wgsl packs them: position; radius in units of 0.01 cm and opacity as halves.
     let vertices: Vec<[u32; 4]> = prepared.gpu.read(buffer, points * 16)?;
     hair.segments.extend(std::iter::repeat_n(segments, strands.count as usize));

@@ -1,6 +1,7 @@
 //! Step 1: neighbours over the edges.
 
 use pelage_core::Result;
+use pelage_fur::layout::EdgeCounts;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
 /// Step 1: neighbours over the edges.
@@ -34,7 +35,7 @@ impl EdgeTable {
     ) -> Result<[Buffer; 3]> {
         // At most half full, so that probes stay short.
         let slots_len = (2 * u64::from(edges)).next_power_of_two().max(16);
-        let counts = gpu.uniform("counts", &[edges, slots_len as u32 - 1, 0, 0])?;
+        let counts = gpu.uniform("edge_counts", &EdgeCounts { edges, mask: slots_len as u32 - 1 })?;
         let slots = gpu.storage("slots", 1, slots_len * 4)?;
         let owners = gpu.storage("owners", 1, slots_len * 4)?;
         let scope = scope.with(&[&counts, &slots, &owners]);

@@ -1,7 +1,7 @@
 //! Step 1: hair roots.
 
 use pelage_core::Result;
-use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
+use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
 /// Step 1: hair roots.
 pub struct HairRoots {
@@ -35,13 +35,5 @@ impl HairRoots {
     /// [`pelage_core::Error::Gpu`] if a binding is missing.
     pub fn record_emit(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, triangles: u32) -> Result<()> {
         recorder.dispatch(&self.emit, scope, u64::from(triangles))
-    }
-
-    /// The uniform that both read: a range of triangles, the largest density (1/cm²) and the seed.
-    ///
-    /// # Errors
-    /// [`pelage_core::Error::OutOfMemory`].
-    pub fn batch(gpu: &Gpu, first: u32, count: u32, density: f32, seed: u32) -> Result<Buffer> {
-        gpu.uniform("batch", &[first, count, density.to_bits(), seed])
     }
 }

@@ -1,6 +1,7 @@
 //! Step 1: the prism shell.
 
 use pelage_core::Result;
+use pelage_fur::layout::ShellCounts;
 use pelage_fur::shell_prisms::SPREAD_ROUNDS;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Resource, Scope};
 
@@ -39,7 +40,7 @@ impl ShellPrisms {
         vertices: u32,
         triangles: u32,
     ) -> Result<[Buffer; 3]> {
-        let counts = gpu.uniform("counts", &[vertices, triangles, 0, 0])?;
+        let counts = gpu.uniform("shell_counts", &ShellCounts { vertices, triangles })?;
         let high = vec![f32::MAX; vertices as usize];
         let tables = [gpu.upload("reach", 1, &high)?, gpu.upload("reach", 1, &high)?];
         let scope = scope.with(&[&counts]);

@@ -1,6 +1,7 @@
 //! Step 2: densities and tangents of the subelements.
 
 use pelage_core::Result;
+use pelage_fur::layout::DensityCounts;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
 /// Step 2: densities and tangents of the subelements.
@@ -29,7 +30,7 @@ impl UndercoatDensity {
         triangles: u32,
         layers: u32,
     ) -> Result<Buffer> {
-        let counts = gpu.uniform("counts", &[triangles, 0, 0, 0])?;
+        let counts = gpu.uniform("density_counts", &DensityCounts { triangles })?;
         recorder.dispatch(&self.main, &scope.with(&[&counts]), u64::from(triangles) * u64::from(layers))?;
         Ok(counts)
     }

@@ -1,6 +1,7 @@
 //! Step 2: optical depths from the lattice to the lights.
 
 use pelage_core::Result;
+use pelage_fur::layout::Sweep;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
 /// Step 2: optical depths from the lattice to the lights.
@@ -33,7 +34,7 @@ impl UndercoatLight {
         (0..=levels)
             .rev()
             .map(|level| {
-                let sweep = gpu.uniform("sweep", &[level, 0, 0, 0])?;
+                let sweep = gpu.uniform("sweep", &Sweep { level })?;
                 recorder.dispatch(
                     &self.main,
                     &scope.with(&[&sweep]),

@@ -20,7 +20,7 @@ impl UndercoatSource {
                 gpu,
                 "undercoat_source",
                 "main",
-                &[variant.coat(), variant.multiple()],
+                &[variant.undercoat(), variant.multiple()],
             )?,
         })
     }

@@ -1,25 +1,12 @@
 //! Twin of `shaders/guard_bins.wgsl`: which strands touch which tile.
 
 use glam::{Vec2, Vec3};
-use pelage_fur::layout::Frame;
+use pelage_fur::layout::{Frame, TileGrid};
 use pelage_fur::strands::{position, radius};
 use pelage_fur::view::{film_from_world, samples_per_slope};
 
-/// The grid of tiles.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Tiles {
-    /// Corner of the grid, samples.
-    pub origin: [i32; 2],
-    /// Size of a tile, samples.
-    pub size: [u32; 2],
-    /// Tiles in a row and in a column.
-    pub grid: [u32; 2],
-    /// Samples that a tile reaches over its edge.
-    pub margin: f32,
-}
-
 /// Tiles that a strand touches, by number, row by row.
-pub fn touched(frame: &Frame, tiles: &Tiles, strand: &[[f32; 4]]) -> Vec<u32> {
+pub fn touched(frame: &Frame, tiles: &TileGrid, strand: &[[f32; 4]]) -> Vec<u32> {
     let film: Vec<(Vec3, f32)> =
         strand.iter().map(|v| (film_from_world(frame, position(*v)), radius(*v))).collect();
     let all = |_: u32, _: u32| true;

@@ -1,6 +1,7 @@
 //! Hair lighting as a table.
 
 use pelage_core::scene::LightingTable;
+use pelage_fur::layout;
 
 /// Edge of the table.
 pub const EDGE: usize = 32;
@@ -13,11 +14,11 @@ pub fn hair_lighting(t: &LightingTable, u: f32, v: f32) -> f32 {
 }
 
 /// The 32 x 32 table, u along rows from -1 to 1, v upwards, four values a vector as the shader reads it.
-pub fn lighting_table(t: &LightingTable) -> [[f32; 4]; EDGE * EDGE / 4] {
+pub fn lighting_table(t: &LightingTable) -> layout::LightingTable {
     let at = |i: usize| 2.0 * i as f32 / (EDGE - 1) as f32 - 1.0;
     let mut values = [[0.0; 4]; EDGE * EDGE / 4];
     for i in 0..EDGE * EDGE {
         values[i / 4][i % 4] = hair_lighting(t, at(i % EDGE), at(i / EDGE));
     }
-    values
+    layout::LightingTable { values }
 }

@@ -2,7 +2,7 @@
 
 use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, css};
-use super::super::probe::Probe;
+use super::super::probe;
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
@@ -28,7 +28,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, _) = context.load(&settings.scene, &[])?;
     let row = settings.pixels.max(1);
-    let probe = Probe::new(context.gpu, &world, settings.film, settings.first, [row, 1])?;
+    let probe = probe::probe(context.gpu, &world, settings.film, settings.first, [row, 1])?;
     probe.draw_strands()?;
     probe.march()?;
     let (lists, bases) = (probe.lists()?, probe.bases()?);

@@ -2,7 +2,7 @@
 
 use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
-use super::super::probe::Probe;
+use super::super::probe;
 use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners};
 use crate::report::Table;
@@ -205,7 +205,7 @@ fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureConte
         let words = format!("prism: the skin has {} triangles", world.skin.triangles.len());
         return Err(Error::fault(context.folder.join("figure.toml"), words));
     }
-    let probe = Probe::new(context.gpu, &world, [16, 16], [0, 0], [16, 16])?;
+    let probe = probe::probe(context.gpu, &world, [16, 16], [0, 0], [16, 16])?;
     let place = probe.shell.enter(settings.prism);
     let (layers, d) = (probe.fur.layers, place.subdivision);
     let middle = Vec3::splat(1.0 / 3.0);

@@ -2,7 +2,7 @@
 
 use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
-use super::super::probe::Probe;
+use super::super::probe::{self, Probe};
 use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners, cut};
 use crate::report::Table;
@@ -38,7 +38,7 @@ struct Found {
 pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, _) = context.load(&settings.scene, &[])?;
-    let probe = Probe::new(context.gpu, &world, settings.film, settings.pixel, [1, 1])?;
+    let probe = probe::probe(context.gpu, &world, settings.film, settings.pixel, [1, 1])?;
     let ray = sample_ray(&probe.frame, [0, 0]);
     let entry = probe.lists()?[0].iter().find(|n| n.kind() == Kind::Entry).map(|n| (n.z, n.id()));
     let Some((z, prism)) = entry else {

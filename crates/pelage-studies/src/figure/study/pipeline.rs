@@ -1,7 +1,7 @@
 //! What the steps leave in their buffers, as pictures: Andersen et al. 2016, figure 3, from the renderer itself.
 
 use super::super::drawing::{magma, number_color, pixel};
-use super::super::probe::Probe;
+use super::super::probe::{self, Probe};
 use super::super::{FigureContent, FigureContext, PanelImage};
 use glam::Vec3;
 use pelage_core::Result;
@@ -33,7 +33,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, assets) = context.load(&settings.scene, &[])?;
     let size = context.size();
-    let probe = Probe::new(context.gpu, &world, size, [0, 0], size)?;
+    let probe = probe::probe(context.gpu, &world, size, [0, 0], size)?;
     let entries = probe.lists()?;
     let places = places(&probe)?;
     let mut content = FigureContent::default();

@@ -2,7 +2,7 @@
 
 use super::super::FigureContext;
 use super::super::content::FigureContent;
-use super::super::probe::Probe;
+use super::super::probe::{self, Probe};
 use super::boxes::{Piece, Start, Tree};
 use crate::bench::{Times, repeat};
 use crate::report::Table;
@@ -188,7 +188,7 @@ impl Level {
         world.scene.undercoat.subdivision = Some(d);
         let film = [world.scene.film.width, world.scene.film.height];
         let (starts, level) = {
-            let probe = Probe::new(context.gpu, world, film, [0, 0], film)?;
+            let probe = probe::probe(context.gpu, world, film, [0, 0], film)?;
             let starts = starts(&probe, settings.rays)?;
             if starts.0.is_empty() {
                 let words = "no ray enters the patch from above and ends on its skin";

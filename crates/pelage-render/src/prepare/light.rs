@@ -1,0 +1,118 @@
+//! Step 2: the optical depths towards the lights, and what the march and the strands look up of them.
+
+use super::Prepared;
+use super::occluders::bvh;
+use pelage_core::scene::FurLayers;
+use pelage_core::{Result, World};
+use pelage_fur::groom;
+use pelage_fur::layout::Light;
+use pelage_gpu::recorder::Timings;
+use pelage_gpu::{Buffer, Gpu, Recorder};
+
+impl Prepared<'_> {
+    /// Finds the light in the fur: guard hairs and undercoat are deposited on the lattice, the lattice is swept towards each
+    /// light, and the lights that are no key lights are folded to one radiance a node. Shades the strands that are resident.
+    /// `fibre_table` is the undercoat's scattering table, kept behind the nodes.
+    pub(super) fn light(
+        &mut self,
+        world: &World,
+        fibre_table: &[[u32; 2]],
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let nodes = self.nodes();
+        let deposits = self.gpu.storage("deposits", 2, nodes * 4)?;
+        let extinction = self.gpu.storage("lattice_extinction", 2, nodes * 4)?;
+        if groom::has_guard(&world.scene) {
+            self.deposit_guard_hairs(world, &deposits, &extinction, timings)?;
+        }
+        let mut recorder = Recorder::new(self.gpu);
+        let scope = self.scope().with(&[&deposits, &extinction]);
+        self.passes.guard_splat.record_normalise(&mut recorder, &scope, nodes)?;
+        recorder.submit(timings)?;
+        drop(deposits);
+        let swept = self.sweep(world, &extinction, fibre_table, timings)?;
+        self.buffers.extend(swept);
+        self.buffers.push(extinction);
+        if world.scene.render.fur == FurLayers::Shells {
+            // The hairs are in the textures: here they only cast shadows.
+            self.resident = None;
+            self.batches.clear();
+        }
+        if let Some(strands) = &self.resident {
+            self.shade(strands, timings)?;
+        }
+        Ok(())
+    }
+
+    /// Deposits all guard hairs; they stay resident where one batch holds them.
+    fn deposit_guard_hairs(
+        &mut self,
+        world: &World,
+        deposits: &Buffer,
+        extinction: &Buffer,
+        timings: &mut Timings,
+    ) -> Result<()> {
+        let batches = self.root_batches(world, timings)?;
+        let single = batches.len() == 1;
+        for batch in &batches {
+            let strands = self.grow(batch, timings)?;
+            let mut recorder = Recorder::new(self.gpu);
+            let scope = strands.scope(&self.scope()).with(&[deposits, extinction]);
+            self.passes.guard_splat.record_deposit(&mut recorder, &scope, strands.count)?;
+            recorder.submit(timings)?;
+            if single {
+                self.resident = Some(strands);
+            }
+        }
+        if !single {
+            self.batches = batches;
+        }
+        Ok(())
+    }
+
+    /// The optical depths, the nodes' light, and the light on the skin.
+    fn sweep(
+        &self,
+        world: &World,
+        extinction: &Buffer,
+        fibre_table: &[[u32; 2]],
+        timings: &mut Timings,
+    ) -> Result<[Buffer; 3]> {
+        let gpu = self.gpu;
+        let nodes = self.nodes();
+        let columns = self.fur.columns;
+        let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
+        let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
+        let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.tau_stride) * 4)?;
+        let source = gpu.storage("source", 2, nodes * 16 + fibre_table.len() as u64 * 8)?;
+        if !fibre_table.is_empty() {
+            gpu.queue.write_buffer(&source.raw, nodes * 16, bytemuck::cast_slice(fibre_table));
+        }
+        let base_light = gpu.storage("base_light", 2, u64::from(columns) * 8)?;
+        let mut recorder = Recorder::new(gpu);
+        let scope = self
+            .scope()
+            .with(&[extinction, &tau, &source, &base_light])
+            .with(&tree.iter().collect::<Vec<_>>());
+        self.passes.light_occlusion.record(&mut recorder, &scope, columns)?;
+        let pairs = groom::tau_pairs(self.fur.lights);
+        let _sweeps = self.passes.undercoat_light.record(
+            gpu,
+            &mut recorder,
+            &scope,
+            columns,
+            self.fur.levels,
+            pairs,
+        )?;
+        self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
+        recorder.submit(timings)?;
+        Ok([tau, source, base_light])
+    }
+}
+
+/// The lights, padded to the uniform's length.
+pub(super) fn upload_lights(gpu: &Gpu, lights: &[Light]) -> Result<Buffer> {
+    let mut all = <pelage_fur::layout::Lights as bytemuck::Zeroable>::zeroed();
+    all.lights[..lights.len()].copy_from_slice(lights);
+    gpu.uniform("lights", &all)
+}

@@ -1,0 +1,298 @@
+//! A world through the passes with everything read back: for the CPU twins, and for pictures of what the passes leave.
+
+use crate::prepare::Prepared;
+use crate::tile_buffers::{TileBuffers, list_bytes};
+use crate::twin::base_raster;
+use crate::twin::film::{Sample, unpack};
+use crate::twin::resolve::{Base, Node};
+use crate::twin::undercoat_march::MarchInputs;
+use bytemuck::Pod;
+use glam::Vec2;
+use pelage_core::{Error, Result, World};
+use pelage_fur::groom::PackedGroom;
+use pelage_fur::layout::{BASE_WORDS, Bin, Frame, FurParameters, SAMPLE_WORDS};
+use pelage_fur::parameters::Maps;
+use pelage_fur::shell::Shell;
+use pelage_fur::simplex::Field;
+use pelage_fur::surface::corner_uv;
+use pelage_fur::undercoat::Undercoat;
+use pelage_fur::{camera, groom};
+use pelage_gpu::recorder::{RasterTargets, Timings};
+use pelage_gpu::{Buffer, Gpu, Recorder, Scope};
+use std::ops::Deref;
+use std::sync::Arc;
+
+/// The frame globals of the scene's camera for a film of `film` samples, of which the tile is the whole.
+pub fn frame_of(world: &World, film: [u32; 2]) -> Frame {
+    camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed)
+}
+
+/// A world after steps 1 to 3, with what the twins of later steps read.
+pub struct PreparedWorld<'g> {
+    /// The world.
+    pub world: World,
+    /// Its fur on the GPU.
+    pub prepared: Prepared<'g>,
+    /// The groom as packed; its `fur` is not that of the renderer.
+    pub packed: PackedGroom,
+    /// Undercoat and lattice as the passes read them.
+    pub fur: FurParameters,
+    /// The shell as the passes left it.
+    pub shell: Shell,
+    /// The lattice's radiances as the march reads them, node by node.
+    pub source: Vec<[u32; 4]>,
+    /// The stored volume; empty where it is evaluated.
+    pub cells: Vec<u32>,
+}
+
+impl<'g> PreparedWorld<'g> {
+    /// Runs steps 1 to 3 for the scene's camera and a film of `film` samples.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn new(gpu: &'g Gpu, world: World, film: [u32; 2]) -> Result<Self> {
+        let prepared = Prepared::new(gpu, &world, &frame_of(&world, film), &mut Timings::default())?;
+        let mut read = Self {
+            packed: groom::pack(&world)?,
+            fur: prepared.fur,
+            shell: Shell::default(),
+            source: Vec::new(),
+            cells: Vec::new(),
+            prepared,
+            world,
+        };
+        read.shell = Shell {
+            vertices: read.read("shell_vertices", read.world.skin.positions.len())?,
+            prisms: read.read("prisms", read.world.skin.triangles.len())?,
+            corner_uv: corner_uv(&read.world.skin),
+            light_reach: read.fur.light_reach,
+        };
+        read.source = read.read("source", (read.fur.columns * (read.fur.levels + 1)) as usize)?;
+        if read.fur.storage == 1 {
+            read.cells = read.read("cells", read.prepared.subelements as usize)?;
+        }
+        Ok(read)
+    }
+
+    /// The first `count` elements of a buffer of the prepared world or of its strands.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with the names that there are.
+    pub fn read<T: Pod>(&self, name: &str, count: usize) -> Result<Vec<T>> {
+        let of_strands = self.prepared.resident.as_ref().and_then(|strands| strands.buffer(name).ok());
+        let buffer = of_strands.map_or_else(|| self.prepared.buffer(name), Ok)?;
+        self.prepared.gpu.read(buffer, (count * size_of::<T>()) as u64)
+    }
+
+    /// The groom and its maps.
+    pub fn maps(&self) -> Maps<'_> {
+        Maps { groom: &self.packed.groom, texels: &self.packed.texels }
+    }
+
+    /// The noise of the scene's seed.
+    pub fn noise(&self) -> Field {
+        Field::new(self.world.scene.render.seed)
+    }
+
+    /// The undercoat, stored or evaluated as the renderer has it.
+    pub fn undercoat(&self) -> Undercoat<'_> {
+        Undercoat { cells: &self.cells, ..self.evaluated_undercoat() }
+    }
+
+    /// The undercoat as it is evaluated, whether it is stored or not.
+    pub fn evaluated_undercoat(&self) -> Undercoat<'_> {
+        Undercoat { fur: &self.fur, noise: self.noise(), shell: &self.shell, cells: &[] }
+    }
+}
+
+/// A tile of a prepared world, step by step.
+pub struct Probe<'g> {
+    /// The world.
+    pub of: Arc<PreparedWorld<'g>>,
+    /// Frame globals of the tile.
+    pub frame: Frame,
+    buffers: TileBuffers,
+    uniform: Buffer,
+}
+
+impl<'g> Deref for Probe<'g> {
+    type Target = PreparedWorld<'g>;
+
+    fn deref(&self) -> &Self::Target {
+        &self.of
+    }
+}
+
+impl<'g> Probe<'g> {
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
+    pub fn new(
+        of: &Arc<PreparedWorld<'g>>,
+        film: [u32; 2],
+        origin: [i32; 2],
+        size: [u32; 2],
+        capacity: u64,
+    ) -> Result<Self> {
+        let gpu = of.prepared.gpu;
+        let mut frame = frame_of(&of.world, film);
+        frame.tile_origin = origin;
+        frame.tile_size = size;
+        frame.node_capacity = capacity as u32;
+        let samples = u64::from(size[0]) * u64::from(size[1]);
+        let buffers = TileBuffers::new(gpu, size, list_bytes(samples, capacity))?;
+        Ok(Self { of: of.clone(), frame, buffers, uniform: gpu.uniform("frame", &frame)? })
+    }
+
+    /// Samples of the tile.
+    pub fn samples(&self) -> usize {
+        let [w, h] = self.frame.tile_size;
+        w as usize * h as usize
+    }
+
+    /// Place of the `i`-th sample in the tile.
+    pub fn xy(&self, i: usize) -> [u32; 2] {
+        let width = self.frame.tile_size[0] as usize;
+        [(i % width) as u32, (i / width) as u32]
+    }
+
+    /// The prepared world's buffers and the tile's.
+    pub fn scope(&self) -> Scope<'_> {
+        self.buffers.add_to(&self.of.prepared.scope().with(&[&self.uniform]))
+    }
+
+    /// What raster passes write to.
+    pub fn targets(&self) -> RasterTargets<'_> {
+        self.buffers.targets(self.frame.tile_size)
+    }
+
+    /// The tile's buffers.
+    pub fn buffers(&self) -> &TileBuffers {
+        &self.buffers
+    }
+
+    fn run(&self, record: impl FnOnce(&mut Recorder<'_>, &Scope<'_>) -> Result<()>) -> Result<()> {
+        let mut recorder = Recorder::new(self.prepared.gpu);
+        record(&mut recorder, &self.scope())?;
+        recorder.submit(&mut Timings::default())
+    }
+
+    /// Step 4: the skin.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn draw_base(&self) -> Result<()> {
+        let p = &self.of.prepared;
+        self.run(|recorder, scope| p.passes.base_raster.record(recorder, scope, &self.targets(), p.triangles))
+    }
+
+    /// Step 5's entries into the shell.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn draw_entries(&self) -> Result<()> {
+        let p = &self.of.prepared;
+        self.run(|recorder, scope| {
+            p.passes.shell_entry.record(recorder, scope, &self.targets(), p.triangles, p.walls)
+        })
+    }
+
+    /// Step 5's march, which adds shell or virtual fragments.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn march(&self) -> Result<()> {
+        let samples = self.samples() as u64;
+        self.run(|recorder, scope| self.prepared.passes.undercoat_march.record(recorder, scope, samples))
+    }
+
+    /// Step 6, all strands.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if they are not resident.
+    pub fn draw_strands(&self) -> Result<()> {
+        let p = &self.of.prepared;
+        if p.strands == 0 {
+            return Ok(());
+        }
+        let Some(strands) = &p.resident else {
+            return Err(Error::Unsupported("the guard hairs do not fit the scene's memory at once".into()));
+        };
+        let all: Vec<u32> = (0..strands.count).collect();
+        let list = p.gpu.upload("bins", 6, &all)?;
+        let bin = p.gpu.uniform("bin", &Bin { start: 0, strands: strands.count })?;
+        self.run(|recorder, scope| {
+            let scope = strands.scope(scope).with(&[&list, &bin]);
+            p.passes.guard_raster.record(recorder, &scope, strands.count, p.segments)
+        })
+    }
+
+    /// Step 7; `exact` marches the undercoat between the fragments.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn resolve(&self, exact: bool) -> Result<Vec<Sample>> {
+        let count = self.samples() as u64;
+        self.run(|recorder, scope| self.prepared.passes.resolve.record(recorder, scope, count, exact))?;
+        let words: Vec<[u32; SAMPLE_WORDS as usize]> = self.read("samples", self.samples())?;
+        Ok(words.into_iter().map(unpack).collect())
+    }
+
+    /// Rays given up by the march, and the longest list.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn counters(&self) -> Result<[u32; 2]> {
+        let words: Vec<u32> = self.read("march_counters", 2)?;
+        Ok([words[0], words[1]])
+    }
+
+    /// The fragments of each sample, nearest first.
+    ///
+    /// # Errors
+    /// As [`TileBuffers::lists`].
+    pub fn lists(&self) -> Result<Vec<Vec<Node>>> {
+        self.buffers.lists(self.prepared.gpu, self.samples())
+    }
+
+    /// Records of the skin, sample by sample, as the buffer holds them.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn base_records(&self) -> Result<Vec<[u32; BASE_WORDS as usize]>> {
+        self.read("base_records", self.samples())
+    }
+
+    /// The skin under each sample.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn bases(&self) -> Result<Vec<Option<Base>>> {
+        let seen = self.base_records()?.into_iter().map(base_raster::unpack);
+        Ok(seen
+            .map(|b| (b.z < base_raster::NO_BASE).then_some(Base { z: b.z, radiance: b.radiance }))
+            .collect())
+    }
+
+    /// The first `count` elements of a buffer of the tile, of the prepared world or of its strands.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with the names that there are.
+    pub fn read<T: Pod>(&self, name: &str, count: usize) -> Result<Vec<T>> {
+        match self.buffers.buffer(name) {
+            Ok(buffer) => self.prepared.gpu.read(buffer, (count * size_of::<T>()) as u64),
+            Err(_) => self.of.read(name, count),
+        }
+    }
+
+    /// What the march of the tile reads.
+    pub fn inputs(&self) -> MarchInputs<'_> {
+        MarchInputs {
+            undercoat: self.undercoat(),
+            source: &self.source,
+            frame: &self.frame,
+            coat: &self.packed.undercoat_fibre,
+        }
+    }
+}

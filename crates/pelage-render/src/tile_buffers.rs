@@ -1,0 +1,130 @@
+//! The buffers and raster targets that steps 4 to 7 write for a tile, whoever drives the steps.
+
+use crate::twin::film::halves;
+use crate::twin::resolve::{Node, sort};
+use glam::Vec4;
+use pelage_core::{Error, Result};
+use pelage_fur::layout::{BASE_WORDS, NODE_WORDS, SAMPLE_WORDS};
+use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
+use pelage_gpu::recorder::RasterTargets;
+use pelage_gpu::{Buffer, Buffers, Gpu, Resource, Scope};
+
+/// Bytes of a fragment in the lists.
+pub const FRAGMENT_BYTES: u64 = 4 * NODE_WORDS as u64;
+
+/// Bytes that a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
+pub const SAMPLE_BYTES: u64 = 4 * (BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1) as u64;
+
+/// The buffers `base_records`, `fragment_lists`, `samples` and `march_counters`, and the targets of the raster passes.
+pub struct TileBuffers {
+    buffers: Buffers,
+    ids: wgpu::Texture,
+    views: [wgpu::TextureView; 2],
+}
+
+/// Bytes of the lists of `samples` samples with room for `fragments` fragments.
+pub fn list_bytes(samples: u64, fragments: u64) -> u64 {
+    4 * (1 + samples) + FRAGMENT_BYTES * fragments
+}
+
+impl TileBuffers {
+    /// Room for tiles of up to `size` samples; `list_bytes` for the fragments of each (see [`list_bytes`]).
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`], [`Error::Gpu`].
+    pub fn new(gpu: &Gpu, size: [u32; 2], list_bytes: u64) -> Result<Self> {
+        let samples = u64::from(size[0]) * u64::from(size[1]);
+        let buffers = vec![
+            gpu.storage("base_records", 5, samples * 4 * u64::from(BASE_WORDS))?,
+            gpu.storage("fragment_lists", 6, list_bytes)?,
+            gpu.storage("samples", 7, samples * 4 * u64::from(SAMPLE_WORDS))?,
+            gpu.storage("march_counters", 7, 16)?,
+        ];
+        use wgpu::TextureUsages as U;
+        let texture = |format, usage| {
+            gpu.device.create_texture(&wgpu::TextureDescriptor {
+                label: Some("raster"),
+                size: wgpu::Extent3d { width: size[0], height: size[1], depth_or_array_layers: 1 },
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format,
+                usage,
+                view_formats: &[],
+            })
+        };
+        let ids = texture(ID_FORMAT, U::RENDER_ATTACHMENT | U::TEXTURE_BINDING | U::COPY_SRC);
+        let depth = texture(DEPTH_FORMAT, U::RENDER_ATTACHMENT);
+        gpu.check("base_raster")?;
+        let views = [&ids, &depth].map(|texture| texture.create_view(&Default::default()));
+        Ok(Self { buffers: buffers.into(), ids, views })
+    }
+
+    /// A buffer by its name.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`] with the names that there are.
+    pub fn buffer(&self, name: &str) -> Result<&Buffer> {
+        self.buffers.get(name)
+    }
+
+    /// Fragments that the lists of a tile of `samples` samples hold.
+    ///
+    /// # Errors
+    /// As [`TileBuffers::buffer`].
+    pub fn capacity(&self, samples: u64) -> Result<u64> {
+        Ok((self.buffer("fragment_lists")?.size.saturating_sub(list_bytes(samples, 0))) / FRAGMENT_BYTES)
+    }
+
+    /// `scope` with these buffers and `triangle_ids` added.
+    pub fn add_to<'a>(&'a self, scope: &Scope<'a>) -> Scope<'a> {
+        self.buffers.add_to(scope).and("triangle_ids", Resource::Texture(&self.views[0]))
+    }
+
+    /// What raster passes write to, of a tile of `size` samples.
+    pub fn targets(&self, size: [u32; 2]) -> RasterTargets<'_> {
+        RasterTargets { ids: &self.views[0], depth: &self.views[1], size }
+    }
+
+    /// The triangle numbers, row by row as wide as the texture: 0 where there is none, else the number + 1.
+    pub fn ids(&self) -> &wgpu::Texture {
+        &self.ids
+    }
+
+    /// Reads the fragments of each of the first `samples` samples back, nearest first.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if there were more than the lists hold, or one of them is in no list.
+    pub fn lists(&self, gpu: &Gpu, samples: usize) -> Result<Vec<Vec<Node>>> {
+        let lists = self.buffer("fragment_lists")?;
+        let capacity = self.capacity(samples as u64)?;
+        let used = u64::from(gpu.read::<u32>(lists, 4)?.first().copied().unwrap_or(0));
+        if used > capacity {
+            return Err(Error::Unsupported(format!(
+                "{used} fragments, room for {capacity}: make the tile smaller"
+            )));
+        }
+        let words: Vec<u32> = gpu.read(lists, list_bytes(samples as u64, used))?;
+        let (heads, nodes) = words[1..].split_at(samples);
+        let node = |number: u32| &nodes[(number as usize - 1) * NODE_WORDS as usize..][..NODE_WORDS as usize];
+        let list = |head: u32| {
+            let mut list = Vec::new();
+            let mut next = head;
+            while next != 0 {
+                let words = node(next);
+                let ([r, g], [b, a]) = (halves(words[3]), halves(words[4]));
+                let color = Vec4::new(r, g, b, a);
+                list.push(Node { z: f32::from_bits(words[1]), source: words[2], color });
+                next = words[0];
+            }
+            sort(&mut list);
+            list
+        };
+        let lists: Vec<Vec<Node>> = heads.iter().map(|head| list(*head)).collect();
+        let listed: usize = lists.iter().map(Vec::len).sum();
+        if listed as u64 != used {
+            return Err(Error::Unsupported(format!("{used} fragments were counted, {listed} are in lists")));
+        }
+        Ok(lists)
+    }
+}
