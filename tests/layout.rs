@@ -1,5 +1,6 @@
 //! The structs of `layout.rs` lie in memory as WGSL lays them out.
 
+use pelage_fur::layout::STRUCTS;
 use pelage_gpu::shader;
 use pelage_render::shaders;
 use std::collections::{BTreeMap, BTreeSet};
@@ -14,7 +15,12 @@ fn wgsl_structs() -> BTreeMap<String, (u32, Vec<(String, u32)>)> {
                 let fields: Vec<(String, u32)> =
                     members.iter().map(|m| (m.name.clone().unwrap_or_default(), m.offset)).collect();
                 let earlier = found.insert(name.clone(), (*span, fields.clone()));
-                assert!(earlier.is_none_or(|e| e == (*span, fields)), "{name} is declared in two ways");
+                // What a stage hands to the next is each pass's own affair.
+                let bound = STRUCTS.iter().any(|(known, ..)| known == name);
+                assert!(
+                    !bound || earlier.is_none_or(|e| e == (*span, fields)),
+                    "{name} is declared in two ways"
+                );
             }
         }
     }
@@ -41,9 +47,8 @@ fn bound_structs() -> BTreeSet<String> {
 
 #[test]
 fn every_bound_struct_stands_in_the_layout() {
-    let known: BTreeSet<String> =
-        pelage_fur::layout::STRUCTS.iter().map(|(name, ..)| (*name).to_owned()).collect();
-    assert_eq!(known.len(), pelage_fur::layout::STRUCTS.len(), "a name stands twice");
+    let known: BTreeSet<String> = STRUCTS.iter().map(|(name, ..)| (*name).to_owned()).collect();
+    assert_eq!(known.len(), STRUCTS.len(), "a name stands twice");
     let bound = bound_structs();
     assert!(bound.len() >= 20, "{bound:?}");
     let missing: Vec<&String> = bound.difference(&known).collect();
@@ -67,7 +72,7 @@ fn words_of_records_agree_with_wgsl() {
 #[test]
 fn structs_agree_with_wgsl() {
     let wgsl = wgsl_structs();
-    for (name, size, fields) in pelage_fur::layout::STRUCTS {
+    for (name, size, fields) in STRUCTS {
         let (span, members) = wgsl.get(*name).unwrap_or_else(|| panic!("no WGSL struct {name}"));
         let rust: Vec<(String, u32)> = fields
             .iter()

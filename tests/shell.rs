@@ -234,7 +234,7 @@ const CODE: &str = "
 #import shared/shell
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(3) var<uniform> fur: Fur;
+@group(0) @binding(3) var<uniform> fur: FurParameters;
 struct Query { point: vec3f, prism: u32, ray: vec3f, t: f32 }
 struct Answer { lambda: vec3f, t: f32, dt_dz: f32, prism: u32, found: u32, id: u32, centroid: vec3f, padding: u32 }
 @group(0) @binding(50) var<storage, read> input: array<Query>;

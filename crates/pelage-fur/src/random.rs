@@ -28,7 +28,7 @@ pub fn random(seed: u32, k: u32) -> f32 {
 /// Uniform on the unit sphere; takes the numbers `k` and `k + 1` of the seed.
 pub fn random_direction(seed: u32, k: u32) -> Vec3 {
     let z = 1.0 - 2.0 * random(seed, k);
-    let phi = std::f32::consts::TAU * random(seed, k + 1);
+    let phi = std::f32::consts::TAU * random(seed, k.wrapping_add(1));
     let r = (1.0 - z * z).max(0.0).sqrt();
     Vec3::new(r * phi.cos(), r * phi.sin(), z)
 }
