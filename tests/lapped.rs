@@ -474,7 +474,7 @@ fn the_command_says_what_is_wrong() {
     pelage(&["lapped", &fine]).expect(2, &["--outfile"]);
     pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH.obj"]);
     let taken = folder.write("taken", "");
-    pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be made"]);
+    pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be created"]);
     let mut here = command();
     here.current_dir(folder.path()).args(["lapped", "fine.obj", "-o", "out"]);
     run(&mut here).expect(0, &[]);

@@ -51,7 +51,7 @@ const SIDE: u32 = 960;
 pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.load()?;
     let folder = &args.outfile;
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, format!("cannot be made: {e}")))?;
+    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, format!("cannot be created: {e}")))?;
     let [obj, picture, field, json] =
         ["patches.obj", "patches.png", "field.png", "lapped.json"].map(|name| folder.join(name));
     [&obj, &picture, &field, &json].into_iter().try_for_each(|path| files::check_target(path))?;
