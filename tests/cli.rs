@@ -45,7 +45,7 @@ fn the_schema_is_json() {
 #[test]
 fn check_prints_the_resolved_scene() {
     let text = pelage(&["check", "scenes/default.toml", "-D", "camera.fov=31"]).expect(0, &[]).out;
-    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# together"] {
+    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# total"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
     // What it prints is a scene file.

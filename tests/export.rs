@@ -433,7 +433,7 @@ fn the_command_prints_counts_and_sizes() {
     let run = pelage(&["export", "tests/data/small.toml", "--fur", "base", "--to", "mitsuba", "-o", &place]);
     let run = run.expect(0, &[]);
     assert!(
-        run.out.contains("triangles") && run.out.contains("together") && run.out.contains("KiB"),
+        run.out.contains("triangles") && run.out.contains("total ") && run.out.contains("KiB"),
         "{}",
         run.out
     );

@@ -125,7 +125,7 @@ fn a_photograph_that_is_not_there_leaves_its_place() {
     let image = "label = \"photograph\"\nimage = \"photos/no-such.png\"";
     let place = registry(&folder, &[image, "label = \"hairs\"\nscene = \"scene.toml\""]);
     let run = make(&folder, &["x-small", "--quick", "--bless"]).expect(0, &[]);
-    assert!(run.out.contains("photos/no-such.png is not there"), "{}", run.out);
+    assert!(run.out.contains("photos/no-such.png not found"), "{}", run.out);
     assert!(!place.join("golden").exists(), "a place for a picture is not kept as if it were one");
     let slot = io::read(place.join("result/a_photograph.png")).unwrap();
     assert_eq!((slot.width, slot.height), (48, 30));
