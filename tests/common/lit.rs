@@ -29,7 +29,7 @@ pub struct Lit {
     pub densities: Vec<f32>,
     /// The stored volume.
     pub cells: Vec<u32>,
-    /// How multiple scattering is found, and its table.
+    /// Model of multiple scattering, and its table.
     pub multiple: (MultipleModel, Option<Table>),
 }
 
@@ -77,7 +77,7 @@ impl Lit {
         self.fixture.undercoat(&self.cells)
     }
 
-    /// Where a node is.
+    /// Place of a node.
     pub fn place(&self, column: u32, level: u32) -> Place {
         let Fixture { fur, shell, .. } = &self.fixture;
         lattice::node_place(shell, fur, &self.columns[column as usize], level).0
