@@ -42,7 +42,7 @@ mod scene {
                 "scripts/fetch_assets.sh",
                 "-D undercoat.layers=0: undercoat.layers",
                 "--memory 1048576: render.memory",
-                "7 faults",
+                "7 errors",
             ],
         );
     }
