@@ -1,8 +1,7 @@
 //! The command line. Results go to stdout; progress, warnings and errors to stderr.
 //!
-//! Exit codes: 0 done; 1 rendering, input or output failed, a comparison is past its threshold, or a goal is missed;
-//! 2 wrong usage;
-//! 3 the scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
+//! Exit codes: 0 success; 1 rendering, input or output failed, a comparison exceeds a threshold, or a goal is missed; 2 wrong usage; 3 the
+//! scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
 mod bake;
@@ -24,8 +23,9 @@ mod schema;
 mod validate;
 
 use clap::{Args, Parser, Subcommand};
-use pelage_core::{Error, Result};
-use std::{num::NonZeroUsize, process::ExitCode};
+use pelage::{Error, Result};
+use std::num::NonZeroUsize;
+use std::process::ExitCode;
 
 /// Renders fur: guard hairs as strands, undercoat as a ray-marched shell, blended exactly.
 #[derive(Debug, Parser)]
@@ -37,58 +37,58 @@ struct Cli {
     global: Global,
 }
 
-const EXIT_CODES: &str = "Exit codes: 0 done; 1 rendering or I/O failed, a comparison is past its threshold, or a goal is missed; \
+const EXIT_CODES: &str = "Exit codes: 0 success; 1 rendering or I/O failed, a comparison exceeds a threshold, or a goal is missed; \
 2 wrong usage; 3 scene invalid; 4 no GPU adapter or limits too low; 5 GPU device lost; 130 interrupted.\n\
-The adapter is chosen with WGPU_BACKEND, WGPU_ADAPTER_NAME and WGPU_POWER_PREF; logs with RUST_LOG.";
+WGPU_BACKEND, WGPU_ADAPTER_NAME and WGPU_POWER_PREF choose the adapter; RUST_LOG sets the log level.";
 
-/// What every subcommand understands.
+/// Options of all subcommands.
 #[derive(Debug, Args)]
 struct Global {
     /// No progress, no summary, no warnings.
     #[arg(long, short, global = true)]
     quiet: bool,
-    /// How progress is shown on stderr; not given: a bar on a terminal, else nothing.
+    /// Progress on stderr [default: bar on a terminal, none otherwise]
     #[arg(long, global = true, value_enum, value_name = "HOW")]
     progress: Option<progress::Style>,
-    /// CPU threads; not given: one a core.
+    /// Number of CPU threads [default: one per core]
     #[arg(long, global = true, value_name = "N")]
     threads: Option<NonZeroUsize>,
 }
 
 #[derive(Debug, Subcommand)]
 enum Command {
-    /// Render a scene to PNG or EXR files.
+    /// Render a scene to PNG or EXR files
     Render(render::RenderArgs),
-    /// Trace a scene's ground truth on the CPU, every hair a strand; needs no GPU.
+    /// Path trace a scene's ground truth on the CPU, with every hair as a strand; needs no GPU
     Reference(reference::ReferenceArgs),
-    /// Print the resolved scene with counts and a memory estimate, without a GPU.
+    /// Print the resolved scene with counts and a memory estimate; needs no GPU
     Check(check::CheckArgs),
-    /// Print the JSON schema of scene files.
+    /// Print the JSON schema of scene files
     Schema,
-    /// List the GPU adapters.
+    /// List the GPU adapters
     Devices(devices::DevicesArgs),
-    /// Write the strands and the mesh of a scene for other renderers.
+    /// Write a scene's strands, mesh or whole fur for other renderers
     Export(export::ExportArgs),
-    /// Bake textures for shells and fins: layers, fin, levels of detail, mips, manifest.
+    /// Bake textures for shells and fins, with levels of detail, mip levels and a manifest
     Bake(bake::BakeArgs),
-    /// Cover a mesh with lapped patches: uv for small textures of fur, a picture, statistics.
+    /// Cover a mesh with lapped patches: uv for small fur textures, pictures, statistics
     Lapped(lapped::LappedArgs),
-    /// Compare two images: light, structure, FLIP and HDR-FLIP, detail; all, at the silhouette and inside.
+    /// Compare two images: light, structure, FLIP, HDR-FLIP and detail; overall, at the silhouette and inside
     Compare(compare::CompareArgs),
-    /// Measure time and memory in the rows of Andersen et al. 2016, Table 1.
+    /// Measure time and memory in the rows of Andersen et al. 2016, Table 1
     Bench(bench::BenchArgs),
-    /// Make a figure of the registry.
+    /// Produce figures and tables of the papers from paper_figures/
     Figure(figure::FigureArgs),
-    /// Measure the approximations against the ground truth and write a report; exit with 1 where a goal is missed.
+    /// Measure the approximations against the ground truth and write a report; exit with 1 if a goal is missed
     Validate(validate::ValidateArgs),
 }
 
-/// Runs the command of this process's arguments, prints what went wrong, and returns the exit code.
+/// Runs the command line of this process, prints errors, and returns the exit code.
 pub fn run() -> ExitCode {
     let cli = match Cli::try_parse() {
         Ok(cli) => cli,
         Err(e) => {
-            // Help and version come this way too, with code 0. A closed pipe is no reason to complain.
+            // Help and version also arrive here, with code 0. A closed pipe is not reported.
             let _ = e.print();
             return ExitCode::from(u8::try_from(e.exit_code()).unwrap_or(2));
         }
@@ -130,7 +130,7 @@ fn start_logging(quiet: bool) {
     use tracing_subscriber::EnvFilter;
     let default = if quiet { "error" } else { "pelage=warn,error" };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
-    // A program that embeds the library may have set its own subscriber: that one stays.
+    // A subscriber that is already set stays.
     let _ = tracing_subscriber::fmt()
         .with_env_filter(filter)
         .with_writer(std::io::stderr)
@@ -145,7 +145,7 @@ fn report(error: &Error) {
                 eprintln!("error: {fault}");
             }
             if faults.len() > 1 {
-                eprintln!("{} faults", faults.len());
+                eprintln!("{} errors", faults.len());
             }
         }
         error => eprintln!("error: {error}"),

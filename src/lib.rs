@@ -1,24 +1,21 @@
-//! pelage renders hybrid fur: guard hairs as strands, undercoat as a ray-marched volume in a shell over the skin, blended
-//! per sample so that each attenuates the other. The method is that of Andersen et al. 2016; what departs from it is
-//! marked where it does.
+//! pelage renders hybrid fur: guard hairs as strands and undercoat as a ray-marched volume in a shell over the skin, blended per sample so
+//! that each attenuates the other. The method is that of Andersen et al. 2016; deviations from it are marked in the source.
 //!
-//! # The way of the data
+//! # Data flow
 //!
-//! A scene file becomes a [`Scene`]: plain values, with preset, includes and overrides merged; all faults of the file are
-//! reported at once. What the scene names is loaded into a [`World`]: the mesh, repaired, scaled and smoothed, as a
-//! [`Skin`]; the lights, those made of an environment map included; the groom's images.
+//! A scene file becomes a [`Scene`]: plain values, with preset, includes and overrides merged. All faults of the file are reported at once.
+//! The files that the scene names are loaded into a [`World`]: the mesh, repaired, scaled and smoothed, as a [`Skin`]; the lights, including
+//! those that replace an environment map; and the groom's maps.
 //!
-//! [`render::render`] opens an adapter, uploads the groom, and prepares everything that does not depend on the tile: the
-//! prism shell, the undercoat's densities, the optical-depth lattice and, where they fit the memory budget, the shaded
-//! strands. Each tile then goes through the last passes: the nearest triangles of the skin, the entries of rays into the
-//! shell, the fragments of strands, and the resolve pass, which sorts the fragments of a sample and marches the undercoat
-//! between them. A filter makes pixels of samples.
+//! [`render::render`] opens an adapter, uploads the groom, and prepares all that does not depend on the tile: the prism shell, the
+//! undercoat's densities, the optical-depth lattice and, if they fit the memory budget, the shaded strands. The remaining passes run once per
+//! tile: the nearest triangles of the skin, the entries of rays into the shell, the fragments of strands, and the resolve pass, which sorts
+//! the fragments of a sample and marches the undercoat between them. A reconstruction filter turns samples into pixels.
 //!
-//! The result is a [`film::Film`] of named planes, premultiplied. Depth of field and background are applied to it;
-//! [`film::io`] writes it as EXR or PNG, whole or not at all. [`render::Stats`] counts and times everything in the rows of
-//! the paper's Table 1.
+//! The result is a [`film::Film`] of named, premultiplied planes. Depth of field and background are applied to it, and [`film::io`] writes it
+//! as EXR or PNG, whole or not at all. [`render::Stats`] has counts and times in the rows of the paper's Table 1.
 //!
-//! # A picture in a few calls
+//! # An image in a few calls
 //!
 //! ```no_run
 //! use pelage::{Scene, World, film, render};
@@ -35,7 +32,7 @@
 //! # }
 //! ```
 //!
-//! Without a GPU there is still the world:
+//! A world can be loaded without a GPU:
 //!
 //! ```
 //! use pelage::{Scene, World, assets::Assets};
@@ -48,7 +45,7 @@
 //! # Ok::<(), pelage::Error>(())
 //! ```
 //!
-//! Faults come together, each with file and line:
+//! All faults of a scene file are reported together, each with file and line:
 //!
 //! ```
 //! let fault = pelage::Scene::parse("[mesh]\nshape = 'sphear'\n[film]\nspp = 0", "ball.toml", &[]).unwrap_err();
@@ -62,26 +59,27 @@
 //!
 //! | module | holds |
 //! |---|---|
-//! | [`scene`], [`assets`] | scene files; where the files that they name are found |
+//! | [`scene`], [`assets`] | scene files; search paths for the files that they name |
 //! | [`render`], [`film`] | rendering; images, their files, background and depth of field |
 //! | [`reference`](mod@reference) | the ground truth: every hair a strand, path traced on the CPU |
-//! | [`shells`] | lapped patches, baked textures |
-//! | [`fibre`] | how single hairs scatter light |
-//! | [`export`], [`compare`](mod@compare) | scenes and hair for other programs; metrics of images |
+//! | [`shells`] | lapped patches, and baked textures for shells and fins |
+//! | [`fibre`] | scattering of light by single hairs |
+//! | [`export`], [`compare`](mod@compare) | scenes and hair for other renderers; metrics of images |
 //!
-//! The crates beneath (`pelage-core`, `pelage-fur`, ...) are this program's rooms. Their interfaces change without notice;
-//! what is listed here is what stays. `ARCHITECTURE.md` in the repository says how they fit together.
+//! The crates `pelage-core`, `pelage-fur` and so on are internal: their interfaces change without notice. The items listed here are the
+//! stable interface. `ARCHITECTURE.md` in the repository describes how the crates depend on each other.
 
 pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 
-/// Scene files: their values, overrides from the command line, and their JSON schema.
+/// Scene files: their values, overrides, and JSON schema.
 pub mod scene {
     pub use pelage_core::scene::{
-        Background, Blend, Camera, Color, FilmSpec, FurLayers, Override, Scalar, Tonemap, json_schema,
+        Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, FurLayers, Override,
+        Scalar, Storage, Tonemap, json_schema,
     };
 }
 
-/// Where the files that a scene names are found.
+/// Search paths for the files that a scene names.
 pub mod assets {
     pub use pelage_core::assets::Assets;
 }
@@ -91,7 +89,7 @@ pub mod film {
     pub use pelage_core::film::{Film, Metadata, Plane, composite, depth_of_field, io, tonemap};
 }
 
-/// Rendering a [`World`](crate::World): hybrid fur, or shells and fins where the scene says so.
+/// Rendering of a [`World`](crate::World): hybrid fur, or shells and fins if the scene asks for them.
 pub mod render {
     pub use pelage_core::animation;
     pub use pelage_core::hair::HairFile;
@@ -112,14 +110,15 @@ pub mod reference {
 /// Lapped patches over a skin, and textures for shells and fins baked from a groom.
 pub mod shells {
     pub use pelage_shells::bake::{
-        FurTextures, Texture, WriteOptions, bake, check_folder, gltf, load, write,
+        Content, Format, FurTextures, MANIFEST, ManifestFile, Texture, WriteOptions, bake, check_folder,
+        gltf, load, load_manifest, mips::Keep, write,
     };
     pub use pelage_shells::lapped::{
         Lapped, Patch, Statistics, field_picture, lap, patch_picture, write_obj,
     };
 }
 
-/// How single hairs scatter light.
+/// Scattering of light by single hairs.
 pub mod fibre {
     pub use pelage_fur::Layer;
     pub use pelage_fur::fibre::{
@@ -133,7 +132,7 @@ pub mod export {
     pub use pelage_export::{EnvironmentAs, Target, Written, check_folder, write};
 }
 
-/// Metrics of images, and pictures of their differences.
+/// Metrics of images, and error images.
 pub mod compare {
     pub use pelage_studies::compare::{
         Comparison, ErrorImage, METRICS, Metric, Metrics, Options, Region, Sense, Thresholds, compare,

@@ -1,4 +1,4 @@
-//! Frames, and the spring that hair hangs on, against closed forms.
+//! Frames of animations, and the spring model of moving hair against closed forms.
 
 use crate::common::{Folder, pelage};
 use glam::{DVec3, Vec3};
@@ -6,8 +6,7 @@ use pelage_core::assets::Assets;
 use pelage_core::scene::{Dynamics, Motion};
 use pelage_core::{Scene, World, animation, film};
 use pelage_render::RenderOptions;
-use pelage_shells::dynamics;
-use pelage_shells::dynamics::Spring;
+use pelage_shells::dynamics::{self, Spring};
 use pelage_shells::shellfin::Pose;
 
 fn scene(text: &str) -> Scene {
@@ -27,7 +26,7 @@ fn a_turntable_turns_about_the_target_and_closes() {
     assert!(Vec3::from(quarter.camera.eye).distance(Vec3::new(31.0, 6.0, -2.0)) < 1e-4);
     assert_eq!(quarter.camera.target, scene.camera.target);
     assert!(Vec3::from(animation::at(&scene, 9).camera.eye).distance(Vec3::new(3.0, 6.0, 30.0)) < 1e-5);
-    // A million turns later the camera still stands on the circle.
+    // A million turns later the camera is still on the circle.
     let late = Vec3::from(animation::at(&scene, 8_000_003).camera.eye);
     assert!(late.distance(quarter.camera.eye.into()) < 1e-3);
 }
@@ -59,7 +58,7 @@ fn free(d: &Dynamics, b0: f64, t: f64) -> f64 {
 }
 
 #[test]
-fn free_hair_swings_as_the_closed_form_says() {
+fn free_oscillation_matches_the_closed_form() {
     let d = Dynamics { stiffness: 900.0, damping: 8.0, ..Dynamics::default() };
     let dt = 0.01 * dynamics::longest_stable_step(&d);
     let mut spring = Spring { bend: DVec3::X, velocity: DVec3::ZERO };
@@ -72,14 +71,13 @@ fn free_hair_swings_as_the_closed_form_says() {
 }
 
 #[test]
-fn driven_hair_swings_as_the_closed_form_says() {
+fn driven_oscillation_matches_the_closed_form() {
     let motion = Motion { amplitude: 1.5, frequency: 3.0, axis: [0.0, 1.0, 0.0] };
     let d = Dynamics { stiffness: 900.0, damping: 8.0, gravity: [90.0, 0.0, 0.0], ..Dynamics::default() };
     let (k, c) = (900.0_f64, 8.0_f64);
     let w = std::f64::consts::TAU * 3.0;
     let force = 1.5 * w * w;
-    // The steady part is p sin(w t) + q cos(w t); the free part makes bend and speed zero at time
-    // 0.
+    // The steady state is p sin(w t) + q cos(w t); the free part makes bend and speed 0 at time 0.
     let size = (k - w * w).powi(2) + (c * w).powi(2);
     let (p, q) = (force * (k - w * w) / size, -force * c * w / size);
     let wd = (k - 0.25 * c * c).sqrt();
@@ -138,7 +136,7 @@ fn wind_keeps_its_mean_and_gusts() {
     assert!((20.0..40.0).contains(&low) && (160.0..=180.0).contains(&high), "{low} {high}");
 }
 
-/// No spring makes the program hang or return nonsense.
+/// No spring makes the program hang or return values that are not finite.
 #[test]
 fn extreme_springs_stay_finite() {
     let motion = Motion { amplitude: 10.0, frequency: 20.0, axis: [1.0, 0.0, 0.0] };

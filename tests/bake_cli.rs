@@ -1,4 +1,4 @@
-//! `pelage bake` on the command line: what it leaves behind, and bad input.
+//! `pelage bake` on the command line: the files that it writes, and bad input.
 
 use crate::common::{Folder, Run, json, names, pelage, pelage_without_adapter};
 use serde_json::Value;
@@ -16,7 +16,7 @@ fn bake(dir: &str, more: &[&str]) -> Run {
 #[test]
 fn baking_leaves_what_the_manifest_lists() {
     let folder = Folder::new();
-    // The folder is made, with those above it.
+    // The folder is created, with its parents.
     let dir = folder.at("new/fur");
     let run = bake(&dir, &["--seed", "5", "--patch", "0.5"]).expect(0, &[]);
     for part in
@@ -87,7 +87,7 @@ fn same_scene_and_seed_give_the_same_files() {
 }
 
 #[test]
-fn values_out_of_range_are_refused_before_anything_is_written() {
+fn values_out_of_range_are_errors_before_anything_is_written() {
     let folder = Folder::new();
     let dir = folder.at("fur");
     for (args, code, parts) in [
@@ -120,7 +120,7 @@ fn folders_that_cannot_be_written_are_named() {
     bake(&file, &[]).expect(1, &["taken", "is a file", "expected a folder"]);
     bake(&folder.at("taken/below"), &[]).expect(1, &["below", "cannot be made"]);
     assert_eq!(std::fs::read(&file).unwrap(), b"not a folder");
-    // A folder where a file should go.
+    // A folder with the name of a file to write.
     std::fs::create_dir_all(folder.path().join("fur/manifest.json")).unwrap();
     bake(&folder.at("fur"), &[]).expect(1, &["manifest.json", "is a folder"]);
     assert_eq!(folder.names(), ["fur", "taken"]);

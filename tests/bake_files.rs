@@ -5,16 +5,15 @@ use pelage_core::Error;
 use pelage_core::film::composite::over;
 use pelage_core::scene::BakeSource;
 use pelage_fur::random::{hash, unit_float};
-use pelage_shells::bake;
 use pelage_shells::bake::ktx2::{Encoding, Ktx2};
-use pelage_shells::bake::mips::Keep;
+use pelage_shells::bake::mips::{self, Keep};
 use pelage_shells::bake::{
-    Content, Format, FurTextures, LayerSummary, Manifest, ManifestFile, Texels, Texture, WriteOptions,
-    compress, lod, memory, mips,
+    self, Content, Format, FurTextures, LayerSummary, Manifest, ManifestFile, Texels, Texture, WriteOptions,
+    compress, lod, memory,
 };
 use std::path::Path;
 
-/// Random number in 0..1 of a number.
+/// A pseudo-random number in 0..1, from an integer.
 fn random(n: u32) -> f32 {
     unit_float(hash(n))
 }
@@ -110,7 +109,7 @@ fn all_levels_of_detail_look_alike_along_the_normal() {
             let finest = stack(&fur.layers, grey);
             for level in &levels {
                 assert!(difference(&stack(&level.layers, grey), &finest) < 3e-6);
-                // Under the wrong order they are not alike.
+                // Composited in the wrong order they are not alike.
                 let turned: Vec<_> = level.layers.iter().rev().cloned().collect();
                 assert!(turned.len() < 2 || difference(&stack(&turned, grey), &finest) > 0.01);
             }
@@ -201,7 +200,7 @@ fn alpha_tested_levels_keep_their_share() {
         let (kept, mean) = (mips::chain(&base, Keep::Share(threshold)), mips::chain(&base, Keep::Mean));
         let mut worst: f64 = 0.0;
         for (level, filtered) in kept.iter().zip(&mean) {
-            // What a client has is 8 bits, which move a few texels over the threshold.
+            // Clients have 8 bits, which move a few texels over the threshold.
             let bytes = compress::from_rgba8(level.width, level.height, &compress::rgba8(level));
             let texel = 1.0 / level.texels.len() as f64;
             for (level, most) in [(level, (0.5 * texel).max(0.02 * wanted)), (&bytes, texel.max(0.005))] {
@@ -216,7 +215,7 @@ fn alpha_tested_levels_keep_their_share() {
         // The box filter alone does not keep it, so that the test can fail.
         assert!(worst > 0.1 * wanted);
     }
-    // Nothing and everything.
+    // No texel, and all texels.
     for value in [0.0, 1.0] {
         let flat = Texture { width: 8, height: 8, texels: vec![[value; 4]; 64] };
         mips::chain(&flat, Keep::Share(0.5)).iter().for_each(|l| assert_eq!(l.texels[0], [value; 4]));
@@ -235,7 +234,7 @@ fn bytes_are_srgb_with_linear_coverage() {
 }
 
 #[test]
-fn blocks_are_near_and_wrong_ones_are_noticed() {
+fn blocks_are_close_and_wrong_ones_are_detected() {
     for (w, h) in [(128, 128), (64, 32), (10, 6), (2, 1)] {
         let (a, b) =
             (compress::rgba8(&layer(w, h, 0, 1)), compress::rgba8(&rolled(&layer(w, h, 0, 1), 1, 0)));
@@ -304,7 +303,7 @@ fn ktx2_files_are_valid() {
 }
 
 #[test]
-fn broken_ktx2_files_are_refused() {
+fn broken_ktx2_files_are_errors() {
     let good = image(Encoding::Rgba8, [8, 8], Some(2));
     let file = good.encode().unwrap();
     for length in 0..file.len() {
@@ -366,7 +365,7 @@ const ALL: [Format; 4] = [Format::Png, Format::Exr, Format::Ktx2, Format::Bc];
 fn textures_come_back_exactly() {
     let folder = Folder::new();
     let mut fur = textures(5, [20, 12], [32, 8]);
-    // Values that no half float holds.
+    // Values that are not half floats.
     fur.layers[2].texels[7] = [0.123_456_79, 1.0e-30, 0.333_333_34, 0.999_999_9];
     let file = write(&fur, folder.path(), &ALL);
     let path = folder.path().join(bake::MANIFEST);
@@ -402,7 +401,7 @@ fn the_manifest_lists_what_is_there() {
             }
         }
     }
-    // What the schema promises.
+    // The manifest fits its schema.
     let json = common::json(folder.path().join("manifest.json"));
     let schema = common::json(folder.path().join(json["$schema"].as_str().unwrap()));
     for key in schema["required"].as_array().unwrap() {
@@ -467,7 +466,7 @@ fn reason(result: Result<FurTextures, Error>) -> String {
 }
 
 #[test]
-fn broken_folders_are_refused_by_name() {
+fn errors_of_broken_folders_name_the_file() {
     let folder = Folder::new();
     let fur = textures(3, [16, 8], [32, 8]);
     write(&fur, folder.path(), &[Format::Exr]);
@@ -507,7 +506,7 @@ fn broken_folders_are_refused_by_name() {
     std::fs::remove_file(&path).unwrap();
     expect(&["manifest.json", "pelage bake"]);
 
-    // Coverage that no fur has.
+    // Impossible coverage.
     let mut bad = fur.clone();
     bad.layers[2].texels[17] = [0.0, f32::NAN, 0.0, 0.5];
     write(&bad, folder.path(), &[Format::Exr]);
@@ -517,27 +516,27 @@ fn broken_folders_are_refused_by_name() {
 }
 
 #[test]
-fn textures_that_do_not_fit_are_refused() {
+fn inconsistent_textures_are_errors() {
     let folder = Folder::new();
     let good = textures(3, [16, 8], [32, 8]);
-    let refuse = |fur: &FurTextures, part: &str| {
+    let expect_error = |fur: &FurTextures, part: &str| {
         let error = bake::write(fur, folder.path(), &WriteOptions::default()).unwrap_err().to_string();
         assert!(error.contains(part), "no {part:?} in {error}");
     };
     let mut bad = good.clone();
     bad.layers[1].texels.pop();
-    refuse(&bad, "layer 1 is 16 x 8 (127 texels)");
+    expect_error(&bad, "layer 1 is 16 x 8 (127 texels)");
     let mut bad = good.clone();
     bad.layers.pop();
-    refuse(&bad, "2 layers, expected 3");
+    expect_error(&bad, "2 layers, expected 3");
     let mut bad = good.clone();
     bad.fin = Texture::default();
-    refuse(&bad, "the fin is 0 x 0");
+    expect_error(&bad, "the fin is 0 x 0");
     let mut bad = good.clone();
     bad.layers.clear();
     bad.guard.clear();
     bad.manifest.layers = 0;
-    refuse(&bad, "no layers");
+    expect_error(&bad, "no layers");
     assert!(folder.names().is_empty());
     let options = WriteOptions { formats: Vec::new(), ..WriteOptions::default() };
     assert_eq!(bake::write(&good, folder.path(), &options).unwrap_err().exit_code(), 2);

@@ -1,13 +1,11 @@
-//! The sources of textures: what one hair contributes, that the fur's opacity is kept, that nothing
-//! depends on where the torus is cut.
+//! The sources of textures: the contribution of one hair, the opacity of the fur, and independence
+//! of where the torus is cut.
 
-use crate::common::on_threads;
-use crate::common::{gpu, worlds};
+use crate::common::{gpu, on_threads, worlds};
 use glam::Vec3;
 use pelage_core::scene::{BakeSource, DotProfile, Scene, Shape};
 use pelage_fur::random::random;
-use pelage_shells::bake;
-use pelage_shells::bake::{Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
+use pelage_shells::bake::{self, Block, FurTextures, Hair, Keep, Knot, Texture, fin, voxelise};
 
 const BLOCK: Block = Block { patch: [1.0, 1.0], height: 0.5, layers: 8, resolution: [64, 32] };
 
@@ -83,7 +81,7 @@ fn one_hair_shows_its_length_times_its_diameter() {
         let coverage = voxelise(&one, &BLOCK, Keep::Coverage, false);
         let found = sum(&coverage.layers, |a| a) * texel;
         assert!((found / shown - 1.0).abs() < 2e-3, "coverage {found}, hair {shown}");
-        // The two differ where a hair lies deep in few texels.
+        // The two differ where a hair covers few texels deeply.
         assert!(sum(&depth.layers, |a| a) < sum(&coverage.layers, |a| a));
         let side = fin(&one, &BLOCK, [256, 32], 1.0, false).0;
         let found = sum(&[side], |a| a) * BLOCK.patch[0] as f64 * BLOCK.height as f64 / (256.0 * 32.0);
@@ -135,7 +133,7 @@ fn steps(t: &Texture) -> [(f32, f32); 2] {
 }
 
 #[test]
-fn no_source_shows_where_its_torus_is_cut() {
+fn no_source_has_a_seam_where_its_torus_is_cut() {
     for source in [BakeSource::Hybrid, BakeSource::Particles, BakeSource::Dots] {
         let textures = baked(|scene| {
             scene.bake.source = source;
@@ -153,7 +151,7 @@ fn no_source_shows_where_its_torus_is_cut() {
         let (inside, border) = steps(&textures.fin)[0];
         assert!(border <= inside * 1.15 + 1e-4, "{source:?}: fin {border} over the border, {inside} inside");
     }
-    // A layer that does not wrap is found.
+    // A layer that does not wrap is detected.
     let ramp = Texture { width: 16, height: 4, texels: (0..64).map(|i| [(i % 16) as f32; 4]).collect() };
     let (inside, border) = steps(&ramp)[0];
     assert!(border > 2.0 * inside);
@@ -172,7 +170,7 @@ fn the_number_of_threads_does_not_matter() {
 }
 
 #[test]
-fn layers_are_as_deep_as_the_groom_says() {
+fn layers_have_the_optical_depth_of_the_groom() {
     let textures = baked(plain);
     // Hairs of the undercoat end as the volume's do: 1 - smoothstep(0.75, 1.02, t); they grow
     // thinner towards t = 1.
@@ -184,14 +182,14 @@ fn layers_are_as_deep_as_the_groom_says() {
         0.4 * (0..1000).map(|i| coat((i as f64 + 0.5) / 1000.0) / 1000.0).sum::<f64>() + 300.0 * 40e-4 * 0.8;
     let found: f64 = textures.manifest.summary.iter().map(|l| f64::from(l.optical_depth)).sum();
     assert!((found / wanted - 1.0).abs() < 0.01, "{found}, wanted {wanted}");
-    // In the middle of the undercoat the layers are what the volume is there.
+    // In the middle of the undercoat the layers have the density of the volume.
     let middle = textures.manifest.summary[4];
     let wanted = (coat(0.5 * 9.0 / 8.0) + 300.0 * 40e-4) * 0.05;
     assert!((f64::from(middle.optical_depth) / wanted - 1.0).abs() < 0.02, "{middle:?}, wanted {wanted}");
 }
 
 #[test]
-fn stacks_let_through_what_beer_and_lambert_say() {
+fn stacks_of_layers_follow_beer_and_lambert() {
     for (resolution, layers) in [(64, 16), (128, 16), (64, 4)] {
         let textures = baked(|scene| {
             plain(scene);
@@ -315,7 +313,7 @@ fn dots_are_fewer_the_higher_they_lie_and_keep_their_place() {
 }
 
 #[test]
-fn what_cannot_be_baked_is_said() {
+fn errors_say_what_cannot_be_baked() {
     let fault = |edit: fn(&mut Scene)| {
         let world = worlds::world(|scene| {
             scene.mesh.shape = Some(Shape::Sphere);

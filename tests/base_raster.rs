@@ -1,4 +1,4 @@
-//! `base_raster` against its twin, and against plain ray casting.
+//! `base_raster` against its CPU twin, and against plain ray casting.
 
 use crate::common::gpu::{self, Fixture};
 use glam::Vec3;
@@ -53,7 +53,7 @@ fn samples_see_the_triangles_of_the_twin() {
                 let found = found.checked_sub(1);
                 let margin = |t| margin(&tile.frame, shell, t, xy);
                 if found != wanted {
-                    // Only on an edge.
+                    // They may differ only on an edge.
                     let edge = [found, wanted].into_iter().flatten().any(|t| margin(t).abs() < 0.01);
                     assert!(edge, "{mesh}: sample {xy:?}: {found:?}, wanted {wanted:?}");
                 }

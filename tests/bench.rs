@@ -71,7 +71,7 @@ fn comparisons_of_one_scene() {
 }
 
 #[test]
-fn shells_and_fins_a_second() {
+fn frames_per_second_of_shells_and_fins() {
     let folder = Folder::new();
     let fur = "[bake]\nsource = \"particles\"\nlayers = 4\nheight = 0.5\nresolution = [16, 16]\nfin_resolution = [32, 8]\n";
     let scene = folder.write("fur.toml", format!("{SCENE}{fur}"));

@@ -1,4 +1,4 @@
-//! How undercoat, guard hairs and skin come together in the image.
+//! Blending of undercoat, guard hairs and skin in the image.
 
 use crate::common::worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
 use pelage_core::scene::{Blend, FurLayers, LightLookup, Scene, Storage};
@@ -17,7 +17,7 @@ fn blended(
     (frame.film, frame.stats)
 }
 
-/// Root of the mean square of the colours where something is.
+/// Root of the mean square of the colours of covered pixels.
 fn strength(film: &pelage_core::film::Film) -> f64 {
     rmse(film, &pelage_core::film::Film::from_premultiplied(film.width, film.height, &[]), &RGB)
 }
@@ -98,7 +98,7 @@ fn white_undercoat_stays_below_its_bound() {
         assert!(found.iter().all(|v| *v <= bound * 1.001), "{found:?} is more than {bound}");
         assert!(found.iter().all(|v| *v > 0.2 * bound), "{found:?}: too dark to test the bound");
     }
-    // Twice the diffuse weight is not physical any more, and the bound notices.
+    // Twice the diffuse weight is not physical, and exceeds the bound.
     let film = blended(Blend::Exact, 1, |s| {
         white(1.0)(s);
         s.undercoat.fibre.diffuse = Some(2.0);
@@ -111,9 +111,9 @@ fn white_undercoat_stays_below_its_bound() {
 /// light is twice the image.
 #[test]
 fn light_is_linear() {
-    // The two brightest lights are looked up one by one, a third as the logarithm of what it brings
-    // to each node of the lattice, with the skin's normal for the hairs' tangent: alone it is a key
-    // light too, so that the sum also measures the error of that.
+    // The two brightest lights are key lights with their own lookups. A third is folded into the
+    // logarithm of the radiance at each lattice node, with the skin's normal as the hairs' tangent.
+    // Alone it is a key light too, so that the sum also measures the error of folding.
     let third = pelage_core::scene::DirectionalLight { direction: [0.1, 0.3, 0.9], irradiance: [0.5; 3] };
     let under = |lights: Vec<usize>, factor: f32| {
         blended(Blend::Exact, 1, |s| {
@@ -162,7 +162,7 @@ fn stored_and_evaluated_densities_make_the_same_image() {
 /// The optical-depth lattice replaces a march towards the light at every step. Undercoat alone,
 /// since the nested march sees no guard hairs.
 #[test]
-fn lattice_stands_for_the_nested_march() {
+fn the_lattice_approximates_the_nested_march() {
     let lit = |light: LightLookup, density: f32| {
         let edit = move |s: &mut Scene| {
             s.render.fur = FurLayers::Implicit;
@@ -174,7 +174,7 @@ fn lattice_stands_for_the_nested_march() {
     };
     let nested = lit(LightLookup::Nested, 12_000.0);
     let ratio = lit(LightLookup::Lattice, 12_000.0) / nested;
-    // The same comparison must notice light that passes through a fifth of the fur.
+    // The same comparison must detect light that passes through a fifth of the fur.
     let thin = lit(LightLookup::Lattice, 2_400.0) / nested;
     println!("light by the lattice against the nested march: {ratio:.4}; through thin fur: {thin:.4}");
     assert!((ratio - 1.0).abs() < 0.06, "{ratio}");

@@ -1,4 +1,4 @@
-//! The command line where everything goes well.
+//! The command line with valid input.
 
 use crate::common::{Folder, Run, command, pelage, root, run};
 use serde_json::Value;
@@ -15,7 +15,7 @@ fn picture(folder: &Folder, name: &str, rgb: [u8; 3]) -> String {
 }
 
 #[test]
-fn help_and_version_are_no_errors() {
+fn help_and_version_are_not_errors() {
     for args in [&["--help"][..], &["--version"], &["render", "--help"], &["help", "check"]] {
         let run = pelage(args).expect(0, &[]);
         assert!(!run.out.is_empty() && run.err.is_empty(), "{run:?}");
@@ -24,7 +24,7 @@ fn help_and_version_are_no_errors() {
 }
 
 #[test]
-fn every_subcommand_is_there() {
+fn every_subcommand_exists() {
     let help = pelage(&["--help"]).out;
     for name in ["render", "check", "schema", "devices", "export", "bake", "compare", "bench", "figure"] {
         assert!(help.contains(&format!("  {name} ")), "{name} is not in\n{help}");
@@ -45,10 +45,10 @@ fn the_schema_is_json() {
 #[test]
 fn check_prints_the_resolved_scene() {
     let text = pelage(&["check", "scenes/default.toml", "-D", "camera.fov=31"]).expect(0, &[]).out;
-    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# together"] {
+    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# total"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
-    // What it prints is a scene file.
+    // The output is a scene file.
     let folder = Folder::new();
     let resolved = folder.write("resolved.toml", &text);
     let again = pelage(&["check", &resolved]).expect(0, &[]).out;
@@ -101,7 +101,7 @@ fn flags_set_the_scene() {
 }
 
 #[test]
-fn a_mesh_named_on_the_command_line_is_found_from_where_one_is() {
+fn a_mesh_on_the_command_line_is_relative_to_the_working_folder() {
     let folder = Folder::new();
     folder.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
     let scene = root().join("scenes/default.toml");
@@ -166,7 +166,7 @@ fn compare_fails_past_a_threshold_and_still_writes_the_error_image() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_error() {
+fn a_closed_pipe_is_not_an_error() {
     use std::process::Stdio;
     let mut child = command().arg("schema").stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     drop(child.stdout.take());

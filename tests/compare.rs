@@ -1,5 +1,5 @@
-//! Every metric: zero where nothing differs, the right value where it is known, and a failure where
-//! it should fail.
+//! Every metric: zero for equal images, the right value where it is known, and a failure where it
+//! should fail.
 
 use pelage_core::Error;
 use pelage_core::film::Film;
@@ -187,7 +187,7 @@ fn disc(value: impl Fn(f32, usize) -> f32) -> Film {
 }
 
 #[test]
-fn silhouette_and_inside_are_told_apart() {
+fn silhouette_and_inside_are_separate() {
     let reference = disc(|_, _| 0.5);
     let rim = compare(&disc(|r, _| if r > 18.0 { 0.25 } else { 0.5 }), &reference).unwrap();
     let (silhouette, inside) = (rim.silhouette.as_ref().unwrap(), rim.inside.as_ref().unwrap());
@@ -202,7 +202,7 @@ fn silhouette_and_inside_are_told_apart() {
     let core = compare(&core_fault(), &reference).unwrap();
     assert!(core.inside.as_ref().unwrap().rmse > 0.0);
     assert_eq!(core.silhouette.as_ref().unwrap().rmse, 0.0);
-    // A wider silhouette takes the fault over from the inside.
+    // With a wider silhouette, the fault is in the silhouette.
     let wide =
         compare_with(&core_fault(), &reference, &Options { band: 19.0, ..Options::default() }).unwrap();
     assert!(wide.silhouette.unwrap().rmse > 0.0);
@@ -217,7 +217,8 @@ fn core_fault() -> Film {
     disc(|r, _| if r < 5.0 { 0.25 } else { 0.5 })
 }
 
-/// FLIP of a display that is overexposed sees nothing; HDR-FLIP goes down to where it is seen.
+/// FLIP of an overexposed display misses the difference; HDR-FLIP also compares exposures that show
+/// it.
 #[test]
 fn hdr_flip_sees_what_one_exposure_hides() {
     let bright = |v: f32| disc(move |_, i| if i % 3 == 0 { v } else { 8.0 });
@@ -243,7 +244,7 @@ fn a_soft_picture_lacks_fine_detail_and_a_noisy_one_has_too_much() {
     assert!(c.detail_ratio[0] < 0.5, "{:?}", c.detail_ratio);
     assert!((c.luminance_ratio - 1.0).abs() < 0.05);
     assert!(inside(&sharp, &soft).detail_ratio[0] > 2.0);
-    // Brightness alone is no matter of detail.
+    // A change of brightness alone is not a change of detail.
     let bright = disc(|_, i| 2.0 * (0.3 + 0.4 * random(i)));
     assert!(inside(&bright, &sharp).detail_ratio.iter().all(|ratio| (ratio - 1.0).abs() < 1e-4));
 }

@@ -1,7 +1,7 @@
 //! Mean opacity of guard hairs against an independent sampler: points of the film, and the ribbons
 //! that cover them.
 //!
-//! Nothing is shared with the renderer but the strands themselves. `scripts/witness/coverage.py`
+//! Only the strands themselves are shared with the renderer. `scripts/witness/coverage.py`
 //! does the same for exported files.
 
 use crate::common::gpu;
@@ -10,8 +10,7 @@ use pelage_core::World;
 use pelage_core::hair::HairFile;
 use pelage_render::RenderOptions;
 
-/// Hairs on a plane seen from the side, against nothing. The rows that are compared lie above the
-/// plane.
+/// Hairs on a plane seen from the side, without a background. The compared rows are above the plane.
 const SCENE: &str = r#"
 [mesh]
 shape = "plane"
@@ -85,7 +84,7 @@ fn pieces(world: &World, hair: &HairFile, thicker: f64) -> Vec<Piece> {
 /// Mean opacity over the first rows, from points on a jittered grid.
 fn sampled(world: &World, pieces: &[Piece]) -> f64 {
     let (columns, rows) = (world.scene.film.width as usize, ROWS);
-    // Which pieces may touch a pixel.
+    // The pieces that may touch each pixel.
     let mut near = vec![Vec::new(); columns * rows];
     for (i, piece) in pieces.iter().enumerate() {
         let reach = DVec2::splat(piece.radius[0].max(piece.radius[1]));
@@ -146,6 +145,6 @@ fn mean_opacity_is_that_of_an_independent_sampler() {
     );
     assert!(ours > 0.1 && ours < 0.8, "{ours}: too little or too much to tell anything");
     assert!((ours / witness - 1.0).abs() < 0.01, "image {ours}, witness {witness}");
-    // The check sees hairs that are 10 % too thick.
+    // The comparison detects hairs that are 10 % too thick.
     assert!((ours / thicker - 1.0).abs() > 0.03, "image {ours}, witness of thicker hairs {thicker}");
 }

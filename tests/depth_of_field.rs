@@ -101,7 +101,7 @@ fn blur_bleeds_from_the_front_and_not_from_behind() {
 }
 
 #[test]
-fn depth_of_field_refuses_nonsense() {
+fn invalid_inputs_are_errors() {
     assert!(message(depth_of_field::apply(&mut chart(4, 4), &lens(1.0, 10.0))).contains("depth.Z"));
     let mut film = point(10.0);
     for camera in [lens(-1.0, 10.0), lens(f32::NAN, 10.0), lens(1.0, 0.0)] {

@@ -29,7 +29,7 @@ fn two_runs_are_equal_to_the_last_bit() {
 }
 
 #[test]
-fn tile_size_does_not_show() {
+fn tile_size_does_not_change_the_image() {
     for blend in [Blend::Exact, Blend::Virtual, Blend::Simplified] {
         let whole = render(&with(blend, |_| ()));
         for tile in [64, 100, 8] {
@@ -66,7 +66,7 @@ fn shells_are_the_same_in_two_runs_and_nearly_so_in_other_tiles() {
 }
 
 #[test]
-fn seed_shows() {
+fn the_seed_changes_the_image() {
     let found = differing(
         &render(&with(Blend::Exact, |_| ())).film,
         &render(&with(Blend::Exact, |s| s.render.seed = 1)).film,
@@ -75,9 +75,8 @@ fn seed_shows() {
 }
 
 #[test]
-fn budget_does_not_show() {
-    // Coarser than the defaults, so that a small budget still holds it; more hairs, so that tiles
-    // overflow.
+fn the_budget_does_not_change_the_image() {
+    // Coarser than the defaults, so that it fits a small budget; more hairs, so that tiles overflow.
     let dense = |memory: u64| {
         with(Blend::Virtual, |s| {
             s.render.memory = memory;
@@ -92,7 +91,7 @@ fn budget_does_not_show() {
     let tight = render(&dense(20 << 20));
     println!("{} retried of {}", tight.stats.tiles_retried, tight.stats.tiles);
     assert!(tight.stats.tiles_retried > 0, "the small budget was not small enough to test anything");
-    // With the box filter no sample lies in two tiles: the counts agree as well.
+    // With the box filter no sample is in two tiles, so that the counts are equal too.
     assert_eq!(roomy.stats.fragments, tight.stats.fragments);
     assert_eq!(roomy.stats.fragments_max, tight.stats.fragments_max);
     let found = differing(&roomy.film, &tight.film);
@@ -100,7 +99,7 @@ fn budget_does_not_show() {
 }
 
 #[test]
-fn strands_past_the_budget_do_not_show() {
+fn strands_out_of_core_do_not_change_the_image() {
     let hairy = |memory: u64| {
         with(Blend::Exact, |s| {
             s.render.memory = memory;

@@ -1,4 +1,4 @@
-//! A device that is lost is opened again once; the tiles that were done stay.
+//! A lost device is reopened once; finished tiles are kept.
 
 use crate::common;
 use pelage_core::{Error, Scene, World};
@@ -6,7 +6,7 @@ use pelage_render::{Progress, RenderOptions};
 use pelage_shells::render_with;
 use std::sync::Mutex;
 
-/// Renders and destroys the device under the rendering, `losses` times, each time after a part of
+/// Renders, and destroys the device during the rendering `losses` times, each time after a part of
 /// the tiles.
 fn render(losses: usize) -> (pelage_core::Result<pelage_render::Frame>, usize) {
     let overrides = ["film.width=24", "film.height=16", "render.tile=8"].map(str::to_owned);

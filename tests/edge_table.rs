@@ -1,4 +1,4 @@
-//! `edge_table` against its twin and against the neighbour table of the mesh.
+//! `edge_table` against its CPU twin and against the neighbour table of the mesh.
 
 use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, skin, world_on};

@@ -1,14 +1,12 @@
-//! Scenes for other renderers: what is written is read back by hand and compared with what this
-//! program renders.
+//! Scenes for other renderers: the files are parsed by the tests and compared with what this program
+//! renders.
 
 use crate::common::{Folder, pelage};
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};
 use pelage_core::assets::Assets;
 use pelage_core::{Scene, World};
-use pelage_export as export;
-use pelage_export::{EnvironmentAs, Target, Written, curves};
-use pelage_fur::Layer;
-use pelage_fur::camera;
+use pelage_export::{self as export, EnvironmentAs, Target, Written, curves};
+use pelage_fur::{Layer, camera};
 use pelage_pathtrace::strands::{Hair, Strands};
 use std::path::Path;
 
@@ -93,7 +91,7 @@ fn text(folder: &Folder, name: &str) -> String {
     std::fs::read_to_string(folder.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
-/// All numbers of a text, in order; words and marks part them.
+/// All numbers of a text, in order.
 fn numbers(text: &str) -> Vec<f32> {
     text.split(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)))
         .filter_map(|word| word.parse().ok())
@@ -139,7 +137,7 @@ fn elements(xml: &str) -> Vec<(String, String)> {
     found
 }
 
-/// The camera's axes as the shaders have them: right, up, forward, eye.
+/// The camera's axes as the shaders have them: right, up, forward, position.
 fn axes() -> [Vec3; 4] {
     let f = camera::frame(&world(&[]).scene.camera, [96, 64], Vec2::ZERO, Vec2::ZERO, 0);
     [f.right, f.up, f.forward, f.eye].map(Vec3::from)
@@ -285,7 +283,7 @@ fn usd_gets_the_scene() {
     assert_eq!(array("widths"), points.iter().map(|p| 2.0 * p.w).collect::<Vec<_>>());
     assert_eq!(array("displayColor").len(), 24);
     assert_eq!(array("displayOpacity"), [0.9, 0.9, 0.9, 0.8, 0.9, 0.9, 0.9, 0.8]);
-    // Row vectors; the camera looks along -z.
+    // Row vectors; the camera's view direction is -z.
     let m = numbers(between(&usd, "xformOp:transform = (", "\n"));
     let to_world = Mat4::from_cols_slice(&m);
     let [right, up, forward, eye] = axes();
@@ -320,7 +318,7 @@ fn blender_gets_the_scene() {
     let light = numbers(between(&script, "LIGHTS = [\n", "\n"));
     close(Vec3::from_slice(&light), Vec3::new(1.0, 2.0, 0.5).normalize());
     close(Vec3::from_slice(&light[3..]), Vec3::new(3.0, 2.0, 1.0));
-    // What the script takes to be the layout of the skin's file.
+    // The layout of the skin's file, as the script expects it.
     let ply = std::fs::read(folder.path().join("skin.ply")).unwrap();
     let end = ply.windows(11).position(|w| w == b"end_header\n").unwrap() + 11;
     let skin = world(&[]).skin;
@@ -344,7 +342,7 @@ fn hair_files_hold_all_layers() {
     assert_eq!(hair.info, format!("pelage {}, guard, cm", env!("CARGO_PKG_VERSION")));
 }
 
-/// Deviations are those of the scene at hand.
+/// Only the deviations that apply to the scene are listed.
 #[test]
 fn deviations_are_listed() {
     let heads = [Target::Mitsuba, Target::Pbrt, Target::Blender, Target::Usd];
@@ -413,7 +411,7 @@ fn two_runs_give_the_same_bytes() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused() {
+fn errors_say_what_cannot_be_written() {
     let folder = Folder::new();
     let file = folder.write("file", "");
     for (place, code) in [(file.clone(), 1), (folder.at("none/deeper"), 1), (format!("{file}/under"), 1)] {
@@ -433,15 +431,15 @@ fn the_command_prints_counts_and_sizes() {
     let run = pelage(&["export", "tests/data/small.toml", "--fur", "base", "--to", "mitsuba", "-o", &place]);
     let run = run.expect(0, &[]);
     assert!(
-        run.out.contains("triangles") && run.out.contains("together") && run.out.contains("KiB"),
+        run.out.contains("triangles") && run.out.contains("total ") && run.out.contains("KiB"),
         "{}",
         run.out
     );
     assert!(Path::new(&place).join("scene.xml").is_file());
 }
 
-/// Hairs of the model that the targets have too: its numbers, each hair's own absorption, and the
-/// pieces of the undercoat that are there.
+/// Hairs of the model that the targets also have: its parameters, each hair's own absorption, and
+/// the pieces of the undercoat that exist.
 #[test]
 fn hairs_of_chiangs_model_keep_their_material() {
     let model = "{ model = 'chiang', roughness = [0.25, 0.4], tilt = -3, ior = 1.45 }";
@@ -476,8 +474,7 @@ fn hairs_of_chiangs_model_keep_their_material() {
         curves_text.trim().split("\n\n").map(|c| Vec4::from_slice(&numbers(c)[4..])).collect();
     let expected = [0, 2, 4, 6].map(|i| all[1].points[i]);
     assert_eq!(starts, expected, "segments 0 and 2 of both hairs");
-    // Texels from the last to the first: colours in the middle of the part of a segment that one
-    // stands for.
+    // Texels from the last to the first: colours at the midpoint of each texel's part of a segment.
     let texels = |name: &str, from: usize| -> Vec<Vec3> {
         let bytes = std::fs::read(folder.path().join(name)).unwrap();
         let floats: Vec<f32> =

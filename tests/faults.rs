@@ -1,4 +1,4 @@
-//! Faults from outside, seen from outside: the exit code, the message, and the files left behind.
+//! Faults in the input and the environment: the exit code, the message, and the files left behind.
 //!
 //! `scene`, `usage` and `output` need no adapter; `assets` reads meshes and images; `rendering`
 //! renders.
@@ -9,7 +9,7 @@ const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
 
 /// Renders a scene text that must fail with exit code 3, and checks that the old image is
 /// unchanged.
-fn refused(text: &str, args: &[&str], parts: &[&str]) -> Run {
+fn expect_fault(text: &str, args: &[&str], parts: &[&str]) -> Run {
     let folder = Folder::new();
     let scene = folder.write("scene.toml", text);
     let image = folder.write("out.png", "old");
@@ -29,7 +29,7 @@ mod scene {
     fn all_kinds_of_faults_come_at_once() {
         let text = "[mesh]\nshape = \"sphere\"\n[camera]\nfov = \"wide\"\n[guard]\nlenght = 2\n[film]\nspp = 0\n\
                     plate = \"none.png\"\n[environment]\nmap = \"gone.hdr\"\n";
-        refused(
+        expect_fault(
             text,
             &["-D", "undercoat.layers=0", "--memory", "1MiB"],
             &[
@@ -42,14 +42,14 @@ mod scene {
                 "scripts/fetch_assets.sh",
                 "-D undercoat.layers=0: undercoat.layers",
                 "--memory 1048576: render.memory",
-                "7 faults",
+                "7 errors",
             ],
         );
     }
 
     #[test]
-    fn text_that_is_no_toml() {
-        refused(
+    fn text_that_is_not_toml() {
+        expect_fault(
             "[mesh\nshape = \"hat\"\n[film]\nspp = = 3\n",
             &[],
             &["scene.toml:1:", "scene.toml:4:", "TOML"],
@@ -58,7 +58,7 @@ mod scene {
 
     #[test]
     fn a_scene_without_a_mesh() {
-        refused("", &[], &["neither mesh.path nor mesh.shape"]);
+        expect_fault("", &[], &["neither mesh.path nor mesh.shape"]);
     }
 
     #[test]
@@ -69,15 +69,15 @@ mod scene {
     }
 
     #[test]
-    fn a_scene_that_is_not_there() {
+    fn a_missing_scene() {
         pelage(&["render", "no/such.toml", "-o", "x.png"]).expect(3, &["no/such.toml", "cannot read"]);
         let folder = Folder::new();
         pelage(&["check", &folder.path().display().to_string()]).expect(3, &["cannot read"]);
     }
 
     #[test]
-    fn an_include_that_is_not_there() {
-        refused(
+    fn a_missing_include() {
+        expect_fault(
             &format!("include = [\"gone.toml\"]\n{MINIMAL}"),
             &[],
             &["scene.toml:1:12: cannot include \"gone.toml\""],
@@ -85,7 +85,7 @@ mod scene {
     }
 
     #[test]
-    fn includes_in_a_circle() {
+    fn cyclic_includes() {
         let folder = Folder::new();
         let a = folder.write("a.toml", format!("include = [\"b.toml\"]\n{MINIMAL}"));
         folder.write("b.toml", "include = [\"c.toml\"]\n");
@@ -112,7 +112,7 @@ mod scene {
     #[test]
     fn deep_nesting() {
         let deep = "[".repeat(100_000);
-        refused(&format!("{MINIMAL}[camera]\neye = {deep}"), &[], &["TOML"]);
+        expect_fault(&format!("{MINIMAL}[camera]\neye = {deep}"), &[], &["TOML"]);
     }
 }
 
@@ -150,22 +150,22 @@ mod usage {
 mod output {
     use super::*;
 
-    /// Exit code 1 before any adapter is asked for: without one, a later check would end with 4.
-    fn refused(args: &[&str], parts: &[&str]) {
+    /// Exit code 1 before an adapter is requested: without one, a later check would exit with 4.
+    fn expect_fault(args: &[&str], parts: &[&str]) {
         pelage_without_adapter(args).expect(1, parts);
     }
 
     #[test]
-    fn a_folder_that_is_not_there() {
+    fn a_missing_folder() {
         let folder = Folder::new();
         let image = folder.at("none/out.png");
-        refused(
+        expect_fault(
             &["render", "scenes/default.toml", "-o", &image],
             &["out.png", "does not exist", "create it"],
         );
         let (good, stats) = (folder.at("out.png"), folder.at("none/stats.json"));
-        refused(&["render", "scenes/default.toml", "-o", &good, "--stats", &stats], &["stats.json"]);
-        refused(&["export", "scenes/default.toml", "--strands", &folder.at("none/a.hair")], &["a.hair"]);
+        expect_fault(&["render", "scenes/default.toml", "-o", &good, "--stats", &stats], &["stats.json"]);
+        expect_fault(&["export", "scenes/default.toml", "--strands", &folder.at("none/a.hair")], &["a.hair"]);
         assert!(folder.names().is_empty());
     }
 
@@ -173,7 +173,7 @@ mod output {
     fn a_folder_of_that_name() {
         let folder = Folder::new();
         std::fs::create_dir(folder.at("out.png")).unwrap();
-        refused(&["render", "scenes/default.toml", "-o", &folder.at("out.png")], &["is a folder"]);
+        expect_fault(&["render", "scenes/default.toml", "-o", &folder.at("out.png")], &["is a folder"]);
     }
 
     #[test]
@@ -183,7 +183,7 @@ mod output {
         let mut permissions = std::fs::metadata(&image).unwrap().permissions();
         permissions.set_readonly(true);
         std::fs::set_permissions(&image, permissions).unwrap();
-        refused(&["render", "scenes/default.toml", "-o", &image], &["write-protected"]);
+        expect_fault(&["render", "scenes/default.toml", "-o", &image], &["write-protected"]);
         assert_eq!(std::fs::read(&image).unwrap(), b"old");
         assert_eq!(folder.names(), ["out.png"]);
     }
@@ -192,7 +192,7 @@ mod output {
     #[cfg(target_os = "linux")]
     fn a_folder_that_takes_no_files() {
         // Not even root may create files here, unlike in a folder without write permission.
-        refused(&["render", "scenes/default.toml", "-o", "/proc/out.png"], &["/proc/out.png"]);
+        expect_fault(&["render", "scenes/default.toml", "-o", "/proc/out.png"], &["/proc/out.png"]);
     }
 
     #[test]
@@ -205,19 +205,19 @@ mod output {
             eprintln!("note: skipped, this user writes where nobody may");
             return;
         }
-        refused(&["render", "scenes/default.toml", "-o", &folder.at("out.png")], &["out.png"]);
+        expect_fault(&["render", "scenes/default.toml", "-o", &folder.at("out.png")], &["out.png"]);
     }
 
     #[test]
     #[cfg(unix)]
-    fn a_device_is_no_file() {
-        refused(
+    fn a_device_is_not_a_file() {
+        expect_fault(
             &["render", "scenes/default.toml", "-o", "x.png", "--stats", "/dev/null"],
             &["/dev/null", "regular"],
         );
     }
 
-    /// A limit on the size of files stands in for a full disk: writing fails part of the way.
+    /// A limit on the size of files simulates a full disk: writing fails after a part.
     #[test]
     #[cfg(unix)]
     fn a_full_disk() {
@@ -270,7 +270,7 @@ mod assets {
     }
 
     #[test]
-    fn images_to_compare_that_are_none() {
+    fn files_to_compare_that_are_not_images() {
         let folder = Folder::new();
         let (a, b) = (folder.write("a.png", "no image"), folder.at("b.png"));
         pelage(&["compare", &a, &a]).expect(1, &["a.png"]);
@@ -292,7 +292,7 @@ mod rendering {
     use super::*;
     use std::time::Duration;
 
-    /// A rendering that is soon done.
+    /// A short rendering.
     const SMALL: [&str; 5] = ["render", "tests/data/small.toml", "--size", "32x20", "--quiet"];
 
     fn is_whole_png(path: &str) -> bool {
@@ -312,7 +312,7 @@ mod rendering {
     }
 
     #[test]
-    fn an_adapter_of_that_name_does_not_exist() {
+    fn an_unknown_adapter() {
         let folder = Folder::new();
         let mut named = command();
         named.args(SMALL).args(["-o", &folder.at("out.png")]).env("WGPU_ADAPTER_NAME", "no such adapter");
@@ -360,7 +360,7 @@ mod rendering {
         let mut quiet = SMALL.to_vec();
         quiet.extend(["-o", &png]);
         let run = pelage(&quiet).expect(0, &[]);
-        // Mesa's own remark where this variable is not set.
+        // Mesa's own warning if this variable is not set.
         let said = run.err.lines().filter(|line| !line.contains("XDG_RUNTIME_DIR")).count();
         assert!(run.out.is_empty() && said == 0, "{run:?}");
     }
@@ -381,7 +381,7 @@ mod rendering {
                 None => panic!("it ended before there was progress: {before:?}"),
             }
         }
-        // Somebody must go on reading, or the child waits for it.
+        // Without a reader, the child would block on its stderr.
         std::thread::spawn(move || lines.for_each(drop));
         child
     }
@@ -394,7 +394,7 @@ mod rendering {
 
     #[test]
     #[cfg(unix)]
-    fn the_first_interrupt_writes_what_there_is() {
+    fn the_first_interrupt_writes_the_partial_image() {
         let folder = Folder::new();
         let image = folder.write("out.png", "old");
         let mut child = start_long(&image);

@@ -1,4 +1,4 @@
-//! The fibre models: energy, reciprocity, sampling. Random numbers are of fixed seeds.
+//! The fibre models: energy, reciprocity, sampling. Random numbers have fixed seeds.
 
 use glam::Vec3;
 use pelage_fur::fibre::medulla::Parts;
@@ -59,7 +59,7 @@ fn medulla(edit: impl Fn(&mut Parts)) -> Fibre {
     Fibre::Medulla(Medulla::new(parts, None))
 }
 
-/// Models with their names; those that lose nothing are marked.
+/// Models with their names, and whether they are lossless.
 static MODELS: LazyLock<Vec<(String, Fibre, bool)>> = LazyLock::new(|| {
     let mut all = vec![
         ("kajiya_kay".into(), Fibre::KajiyaKay(KajiyaKay::new(1.0, 0.0, 12.0)), true),
@@ -139,7 +139,7 @@ fn normalisation_is_needed_and_costs_nothing_else() {
         most = most.max(whole(&plain));
     }
     assert!(most > 1.3, "the test's hair must create energy: {most}");
-    // A hair that creates none stays as it is.
+    // A hair that creates no energy is not changed.
     let (plain, normal) = (Fibre::Sadeghi(sadeghi()), Fibre::Sadeghi(sadeghi().normalised()));
     let tint = Vec3::splat(0.05);
     for degrees in [0.0, 30.0] {
@@ -250,7 +250,7 @@ fn chi_square(model: &Fibre, other: &Fibre, degrees: f64, h: f32) -> f64 {
             }
         }
     }
-    // Bins with little in them are joined to one.
+    // Bins with few expected samples are merged.
     let (mut sum, mut bins, mut rest) = (0.0, 0, [0.0; 2]);
     for (c, e) in counts.iter().zip(&expected) {
         if *e < 10.0 {
@@ -289,7 +289,7 @@ fn a_slightly_wrong_density_is_noticed() {
     assert!(chi_square(&sharp(12.0), &sharp(24.0), 10.0, 0.0) > 5.0);
 }
 
-/// Largest relative difference when light and eye are exchanged.
+/// Largest relative difference when light and view direction are exchanged.
 fn exchange(model: &Fibre) -> f32 {
     let tint = Vec3::new(0.3, 0.6, 0.9);
     let mut worst = 0f32;
@@ -304,7 +304,7 @@ fn exchange(model: &Fibre) -> f32 {
 }
 
 #[test]
-fn light_and_eye_can_be_exchanged_where_models_say_so() {
+fn light_and_view_can_be_exchanged_where_models_are_reciprocal() {
     for (name, model, _) in MODELS.iter() {
         let worst = exchange(model);
         println!("{name}: {worst:.5}");
@@ -324,7 +324,7 @@ fn constants_of_chiang() {
     assert!((at(0.3).scale - 0.117_160).abs() < 1e-5);
     assert!((at(0.1).scale - 0.024_089).abs() < 1e-5);
     assert_eq!(at(0.3).variance[1] * 16.0, at(0.3).variance[2]);
-    // Colour by fit: the square is over the whole quotient.
+    // Absorption from colour, by the published fit: the square is of the whole quotient.
     let sigma = at(0.3).absorption.of(Vec3::new(1.0, 0.5, 0.1));
     let wanted = |c: f64| {
         let b = 0.3f64;
@@ -339,7 +339,7 @@ fn constants_of_chiang() {
 
 #[test]
 fn lobes_of_chiang_leave_where_a_smooth_fibre_sends_them() {
-    // R on the near side turned by twice the tilt; TT opposite; both for h = 0.
+    // For h = 0: R on the near side, rotated by twice the tilt; TT on the opposite side.
     let model = Fibre::Chiang(Chiang::new([0.1; 2], 2f32.to_radians(), 1.55, None));
     let hit = hit(Vec3::ONE, 0.0);
     let wo = direction(0.3, 0.0);
@@ -370,12 +370,12 @@ fn lobes_of_a_fibre_with_a_medulla_share_the_light() {
     let mean = |f: &dyn Fn([f32; 6]) -> f32| -> f32 {
         offsets(400).map(|(h, w)| w * f(model.energies([0.0, 1.0], h))).sum()
     };
-    // The five lobes of the paper; all longer paths are little; all is one.
+    // The paper's five lobes; longer paths contribute little; the sum is 1.
     let five = mean(&|e| e[..5].iter().sum());
     let whole = mean(&|e| e.iter().sum());
     println!("five lobes {five:.5}, with all longer paths {whole:.6}");
     assert!((whole - 1.0).abs() < 1e-4 && five <= whole && five > 0.99, "{five} {whole}");
-    // As published, what is not scattered in the medulla counts there too.
+    // As published, light that is not scattered in the medulla counts there too.
     let published = mean(&|e| {
         let f = e[0];
         let through = e[1] / ((1.0 - f) * (1.0 - f)).max(1e-9);
@@ -387,30 +387,30 @@ fn lobes_of_a_fibre_with_a_medulla_share_the_light() {
 }
 
 #[test]
-fn medulla_tables_are_kept_and_made_again() {
+fn medulla_tables_are_cached_and_rebuilt() {
     let medium = Medium { scattering: 1.3, anisotropy: 0.4, ior: 1.55 };
     let started = std::time::Instant::now();
-    let made = ScatterTable::simulate(medium);
+    let simulated = ScatterTable::simulate(medium);
     println!("simulated in {:.2} s", started.elapsed().as_secs_f32());
     let folder = tempfile::tempdir().unwrap();
     let below = folder.path().join("not/there");
-    assert_eq!(ScatterTable::cached(medium, Some(&below)), made);
+    assert_eq!(ScatterTable::cached(medium, Some(&below)), simulated);
     let file = std::fs::read_dir(&below).unwrap().next().unwrap().unwrap().path();
     let whole = std::fs::read(&file).unwrap();
-    assert_eq!(ScatterTable::cached(medium, Some(&below)), made, "from the cache");
-    // What is read comes from the file: one of another medium under this name is noticed, and so is
+    assert_eq!(ScatterTable::cached(medium, Some(&below)), simulated, "from the cache");
+    // The table is read from the file: one of another medium under this name is detected, and so is
     // damage.
     let mut flipped = whole.clone();
     flipped[1000] ^= 1;
     for bad in [&whole[..whole.len() / 2], &[][..], &flipped[..]] {
         std::fs::write(&file, bad).unwrap();
-        assert_eq!(ScatterTable::cached(medium, Some(&below)), made);
-        assert_eq!(std::fs::read(&file).unwrap(), whole, "the file is made again");
+        assert_eq!(ScatterTable::cached(medium, Some(&below)), simulated);
+        assert_eq!(std::fs::read(&file).unwrap(), whole, "the file is rebuilt");
     }
     let other = ScatterTable::cached(Medium { anisotropy: 0.5, ..medium }, Some(&below));
-    assert_ne!(other, made);
-    // No folder can be made below a file.
-    assert_eq!(ScatterTable::cached(medium, Some(&file.join("x"))), made);
+    assert_ne!(other, simulated);
+    // No folder can be created below a file.
+    assert_eq!(ScatterTable::cached(medium, Some(&file.join("x"))), simulated);
 }
 
 #[test]
@@ -431,7 +431,7 @@ fn scattered_light_goes_where_the_medium_sends_it() {
     let symmetric = (even.around(0.3, 0.0, 1.0) - even.around(0.3, 0.0, -1.0)).abs();
     assert!(symmetric < 0.02, "{symmetric}");
     assert!((even.around(0.3, 0.5, 1.0) - even.around(0.3, -0.5, -1.0)).abs() < 1e-6);
-    // Light on the side of its offset comes back on that side.
+    // Light that enters off centre is scattered back to the same side.
     assert!(even.around(0.0, 0.9, 2.0) > even.around(0.0, 0.9, -2.0));
 }
 
@@ -499,7 +499,7 @@ fn halves_of_the_directions_sum_to_the_albedo() {
             }
         }
     }
-    // Light goes on in TT, on the mirror cone less the tilt.
+    // TT continues forwards, on the specular cone minus the tilt.
     let smooth = Fibre::Chiang(Chiang::new([0.1; 2], 2f32.to_radians(), 1.55, None));
     let half = Albedos::new(&smooth).hemispherical(0.0, Vec3::ONE).forward;
     assert!((half.shift.to_degrees() + 2.0).abs() < 2.5 && half.width < 0.4, "{half:?}");

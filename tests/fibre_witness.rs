@@ -1,9 +1,9 @@
-//! Chiang's model beside the values of another program's implementation.
+//! Chiang's model against values of another implementation.
 
 use glam::Vec3;
 use pelage_fur::fibre::{Chiang, Fibre, Hit};
 
-/// Roughness along and around, tilt (degrees), index, absorption, direction of the eye, of the
+/// Roughness along and around, tilt (degrees), index, absorption, direction of the view, of the
 /// light, f cos of the light.
 type Row = ([f32; 2], f32, f32, f32, [f32; 3], [f32; 3], f32);
 

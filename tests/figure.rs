@@ -1,4 +1,4 @@
-//! `pelage figure`: the registry, and one figure from end to end.
+//! `pelage figure`: the folders of paper_figures/, and one figure from end to end.
 
 use crate::common::{self, Folder, Run, command, json, names, pelage, root};
 use pelage_core::Scene;
@@ -7,7 +7,7 @@ use pelage_studies::figure::Figure;
 
 #[test]
 fn every_figure_has_valid_scenes_and_a_caption() {
-    let names = Figure::names().expect("a registry");
+    let names = Figure::names().expect("paper_figures/");
     for wanted in ["fig1", "fig8", "fig9", "fig11", "table1"] {
         assert!(names.iter().any(|n| *n == format!("andersen2016-{wanted}")), "{wanted} is not in {names:?}");
     }
@@ -33,7 +33,7 @@ fn every_figure_has_valid_scenes_and_a_caption() {
 }
 
 #[test]
-fn names_and_their_ends() {
+fn names_and_their_endings() {
     assert_eq!(Figure::find("fig8").expect("unique").1, Figure::find("andersen2016-fig8").expect("exact").1);
     pelage(&["figure", "fig"]).expect(2, &["andersen2016-fig1,"]);
     let list = pelage(&["figure", "--list"]).expect(0, &[]).out;
@@ -41,7 +41,7 @@ fn names_and_their_ends() {
 }
 
 #[test]
-fn a_figure_tells_how_to_get_what_it_lacks() {
+fn a_missing_asset_is_reported_with_a_hint() {
     let folder = Folder::new();
     if root().join("assets/meshes/stanford-bunny.obj").exists() {
         eprintln!("note: skipped, assets/ holds the bunny");
@@ -50,7 +50,7 @@ fn a_figure_tells_how_to_get_what_it_lacks() {
     pelage(&["figure", "fig11", "--quick", "-o", &folder.at("out")]).expect(3, &["fetch_assets.sh", "bunny"]);
 }
 
-/// A registry of one small figure, so that the test is fast.
+/// A folder paper_figures/ with one small figure, so that the test is fast.
 #[test]
 fn a_figure_from_end_to_end() {
     let folder = Folder::new();
@@ -88,7 +88,7 @@ fn a_figure_from_end_to_end() {
     make(&folder, &["small"]).expect(3, &["figure.toml:3"]);
 }
 
-/// A registry with one figure of the given panels, each a TOML table without its head.
+/// A folder paper_figures/ with one figure of the given panels, each a TOML table without its head.
 fn registry(folder: &Folder, panels: &[&str]) -> std::path::PathBuf {
     let place = folder.path().join("paper_figures/x-small");
     std::fs::create_dir_all(&place).unwrap();
@@ -106,7 +106,7 @@ fn make(folder: &Folder, arguments: &[&str]) -> Run {
 }
 
 #[test]
-fn what_differs_from_what_is_kept_is_told() {
+fn differences_from_the_kept_results_are_reported() {
     let folder = Folder::new();
     let place = registry(&folder, &["label = \"hairs\"\nscene = \"scene.toml\""]);
     make(&folder, &["x-small", "--quick", "--check"]).expect(1, &["nothing is kept"]);
@@ -120,13 +120,13 @@ fn what_differs_from_what_is_kept_is_told() {
 }
 
 #[test]
-fn a_photograph_that_is_not_there_leaves_its_place() {
+fn a_missing_photograph_has_a_placeholder() {
     let folder = Folder::new();
     let image = "label = \"photograph\"\nimage = \"photos/no-such.png\"";
     let place = registry(&folder, &[image, "label = \"hairs\"\nscene = \"scene.toml\""]);
     let run = make(&folder, &["x-small", "--quick", "--bless"]).expect(0, &[]);
-    assert!(run.out.contains("photos/no-such.png is not there"), "{}", run.out);
-    assert!(!place.join("golden").exists(), "a place for a picture is not kept as if it were one");
+    assert!(run.out.contains("photos/no-such.png not found"), "{}", run.out);
+    assert!(!place.join("golden").exists(), "a placeholder is not kept");
     let slot = io::read(place.join("result/a_photograph.png")).unwrap();
     assert_eq!((slot.width, slot.height), (48, 30));
 }

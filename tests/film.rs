@@ -1,4 +1,4 @@
-//! The film after rendering: writing, reading, tone mapping, backgrounds.
+//! Films after rendering: writing, reading, tone mapping, backgrounds.
 
 use crate::common::films::{chart, plain};
 use crate::common::{assets, message, names};
@@ -199,7 +199,7 @@ fn damaged_pictures_are_clear_errors() {
 }
 
 #[test]
-fn forged_sizes_are_refused_before_allocation() {
+fn forged_sizes_are_errors_before_allocation() {
     let folder = tempfile::tempdir().unwrap();
     let good = folder.path().join("good.exr");
     io::write(&chart(64, 64), &good, &Metadata::default(), &plain()).unwrap();
@@ -223,7 +223,7 @@ fn forged_sizes_are_refused_before_allocation() {
     let path = folder.path().join("good.png");
     io::write(&chart(8, 8), &path, &Metadata::default(), &plain()).unwrap();
     let mut png = std::fs::read(&path).unwrap();
-    // Width in IHDR; its checksum is then wrong too, which is as clear an error.
+    // Width in IHDR; its checksum is then wrong too, which is also a clear error.
     png[16..20].copy_from_slice(&0x7fff_ffffu32.to_be_bytes());
     let path = folder.path().join("forged.png");
     std::fs::write(&path, png).unwrap();
@@ -281,7 +281,7 @@ fn tone_maps_have_their_known_values() {
     let grey = |kind, v| tonemap::tone_map(kind, Vec3::splat(v));
     let near = |a: Vec3, b: Vec3| assert!((a - b).abs().max_element() < 1e-4, "{a} {b}");
     near(grey(Tonemap::None, 0.18), Vec3::splat(0.18));
-    // Neutral takes 0.04 off and leaves the middle alone; at 1.0 the peak 0.96 becomes 1 - 0.0576 /
+    // Neutral subtracts 0.04 and leaves the middle unchanged; at 1.0 the peak 0.96 becomes 1 - 0.0576 /
     // 0.44.
     near(grey(Tonemap::Neutral, 0.5), Vec3::splat(0.46));
     near(grey(Tonemap::Neutral, 0.04), Vec3::splat(0.04 * 0.04 * 6.25));
@@ -310,7 +310,7 @@ fn tone_maps_rise_and_stay_in_range() {
         for i in 0..4000 {
             let v = (i as f32 / 100.0 - 20.0).exp2();
             let [r, g, b] = tonemap::tone_map(kind, Vec3::splat(v)).to_array();
-            // The published AgX matrices tint greys by less than a thousandth.
+            // The published AgX matrices shift greys by less than a thousandth.
             assert!((0.0..=1.0).contains(&r) && (r - g).abs() < 1e-3 && (r - b).abs() < 1e-3, "{kind:?} {v}");
             assert!(r >= last - 1e-6, "{kind:?} falls at {v}");
             last = r;

@@ -1,4 +1,4 @@
-//! `film` against its twin: samples of every kind to pixels.
+//! `film` against its CPU twin: from samples of every kind to pixels.
 
 use crate::common::gpu::{self, Fixture};
 use crate::common::worlds::{self, ball};
@@ -10,7 +10,7 @@ use pelage_gpu::Recorder;
 use pelage_gpu::recorder::Timings;
 use pelage_render::twin::film::{PLANES, Sample, pixel, unpack};
 
-/// Samples with all fields at random; some see nothing.
+/// Samples with random fields; some see nothing.
 fn samples(count: u32) -> Vec<[u32; 8]> {
     (0..count)
         .map(|i| {

@@ -1,5 +1,4 @@
-//! The glTF of a fur: what is in the buffer, read back by its accessors, and what fails with an
-//! error.
+//! glTF files of fur: the content of the buffer, read back through its accessors, and errors.
 
 use crate::common::Folder;
 use crate::common::gpu::{self, world};
@@ -41,7 +40,7 @@ fn textures() -> FurTextures {
     }
 }
 
-/// Two patches: faces that face +x and the others, each flattened by leaving a coordinate out.
+/// Two patches, of the faces towards +x and of the others, each flattened by dropping a coordinate.
 fn lapped(world: &World) -> Lapped {
     let skin = &world.skin;
     let corner_uv = (0..skin.triangles.len()).map(|t| {
@@ -162,7 +161,7 @@ fn corners_read_back_are_those_of_skin_and_patches() {
 }
 
 #[test]
-fn every_edge_stands_once_with_both_faces() {
+fn every_edge_is_listed_once_with_both_faces() {
     for shape in ["torus", "plane"] {
         let world = world(&format!("[mesh]\nshape = '{shape}'\n[render]\nseed = 7"));
         let document = Document::of(&world);
@@ -174,7 +173,7 @@ fn every_edge_stands_once_with_both_faces() {
         assert_eq!(edges.len(), topology.edges);
         assert_eq!(u.len(), edges.len());
         assert_eq!(edges.iter().filter(|e| e[3] == NONE).count(), topology.boundary_edges);
-        // Split vertices by the places they stand at.
+        // Split vertices by their positions.
         let at = |i: u32| positions[i as usize].to_array().map(f32::to_bits);
         let mut seen: HashMap<[[u32; 3]; 2], usize> = HashMap::new();
         let mut starts = Vec::new();
@@ -312,9 +311,9 @@ fn the_view_and_the_settings_are_the_scenes() {
 }
 
 #[test]
-fn what_does_not_fit_is_refused_in_words() {
+fn inconsistent_inputs_are_readable_errors() {
     let folder = Folder::new();
-    let refused = |scene: &str, change: fn(&mut Lapped, &mut FurTextures)| {
+    let error_of = |scene: &str, change: fn(&mut Lapped, &mut FurTextures)| {
         let world = world(scene);
         let (mut lapped, mut textures) = (lapped(&world), textures());
         change(&mut lapped, &mut textures);
@@ -324,13 +323,13 @@ fn what_does_not_fit_is_refused_in_words() {
         error.to_string()
     };
     let sphere = "[mesh]\nshape = 'sphere'";
-    let text = refused(sphere, |lapped, _| lapped.corner_uv.truncate(5));
+    let text = error_of(sphere, |lapped, _| lapped.corner_uv.truncate(5));
     assert!(text.contains("5 faces"), "{text}");
-    let text = refused(sphere, |_, textures| textures.manifest.patch[1] = 0.0);
+    let text = error_of(sphere, |_, textures| textures.manifest.patch[1] = 0.0);
     assert!(text.contains("patch = 0"), "{text}");
-    let text = refused(sphere, |_, textures| textures.manifest.fin_length = f32::NAN);
+    let text = error_of(sphere, |_, textures| textures.manifest.fin_length = f32::NAN);
     assert!(text.contains("fin_length"), "{text}");
-    let text = refused(sphere, |_, textures| textures.manifest.layers = 0);
+    let text = error_of(sphere, |_, textures| textures.manifest.layers = 0);
     assert!(text.contains("layers = 0"), "{text}");
 }
 

@@ -1,6 +1,6 @@
 //! Small pictures of every kind of fur and blending against kept ones.
 //!
-//! After a change that is meant to change pictures, look at them and keep the new ones:
+//! After an intended change of pictures, check them and keep the new ones:
 //!
 //!     PELAGE_BLESS=1 cargo test --release --test pelage golden::
 //!
@@ -12,8 +12,7 @@ use pelage_core::film::{Film, Metadata, composite, io};
 use pelage_core::{Scene, World};
 use pelage_gpu::Gpu;
 use pelage_render::RenderOptions;
-use pelage_studies::compare;
-use pelage_studies::compare::{Comparison, ErrorImage, Thresholds};
+use pelage_studies::compare::{self, Comparison, ErrorImage, Thresholds};
 use std::path::{Path, PathBuf};
 
 /// Name, scene, overrides.
@@ -26,12 +25,12 @@ const PICTURES: &[(&str, &str, &[&str])] = &[
     ("sphere_simplified", "tests/golden/sphere.toml", &["render.blend=simplified"]),
 ];
 
-/// What all are rendered with: small, volumes coarse enough for a CPU.
+/// Overrides for all scenes: small images, and volumes coarse enough for a CPU.
 const COMMON: &[&str] =
     &["film.width=160", "film.height=100", "film.spp=4", "undercoat.cell=0.08", "undercoat.layers=12"];
 
-/// Drivers differ in the last bits, and where a hair just covers a sample or not; fur that is lit
-/// or placed differently is past these.
+/// Drivers differ in the last bits, and in whether the edge of a hair covers a sample; fur that is
+/// lit or placed differently exceeds these thresholds.
 const LIMITS: Thresholds = Thresholds {
     rmse: Some(0.012),
     flip: Some(0.03),
@@ -50,7 +49,7 @@ fn kept(name: &str) -> PathBuf {
     root().join("tests/golden").join(format!("{name}.png"))
 }
 
-/// The picture through its tone mapping, as the file holds it.
+/// The tone-mapped picture, as in the file.
 fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
     let overrides: Vec<String> = COMMON.iter().chain(overrides).map(|o| (*o).to_owned()).collect();
     let (scene, assets) = Scene::load(&root().join(scene), &overrides).expect("the scene is valid");
@@ -63,7 +62,7 @@ fn picture(gpu: &Gpu, scene: &str, overrides: &[&str], folder: &Path) -> Film {
 }
 
 #[test]
-fn pictures_are_the_kept_ones() {
+fn pictures_match_the_kept_ones() {
     let bless = std::env::var_os("PELAGE_BLESS").is_some_and(|v| v == "1");
     let folder = tempfile::tempdir().expect("a temporary folder");
     let gpu = pelage_render::open().expect("an adapter");

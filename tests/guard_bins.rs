@@ -1,4 +1,4 @@
-//! `guard_bins` against its twin: each tile has the strands that touch it, each once.
+//! `guard_bins` against its CPU twin: each tile has the strands that touch it, each once.
 
 use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage_fur::layout::Root;
@@ -76,7 +76,7 @@ fn bins_are_those_of_the_twin() {
         }
         let entries: usize = wanted.iter().map(Vec::len).sum();
         assert!(entries > 100, "{entries}");
-        // A strand on the very edge of a tile's reach may fall on either side.
+        // With rounding, a strand at the limit of a tile's reach may be on either side.
         let differ: usize = found
             .iter()
             .zip(&wanted)

@@ -1,4 +1,4 @@
-//! `guard_raster` against its twin, and the coverage of ribbons.
+//! `guard_raster` against its CPU twin, and the coverage of ribbons.
 
 use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use glam::Vec3;
@@ -23,7 +23,7 @@ fn fixture(gpu: &'static pelage_gpu::Gpu, diameter: f32, segments: u32) -> Fixtu
     Fixture::new(gpu, world_on(&scene, Some(scaled(jittered_grid(5, 0.2), 1.0, 5.0)), Vec::new()))
 }
 
-/// Strands of our own.
+/// Explicit strands.
 struct Strands {
     roots: Vec<Root>,
     vertices: Vec<[f32; 4]>,
@@ -57,7 +57,7 @@ fn draw(fixture: &Fixture, tile: &Probe<'_>, strands: &Strands, base: f32) -> Ve
 #[test]
 fn fragments_are_those_of_the_twin() {
     let Some(gpu) = gpu::open() else { return };
-    // Much thinner than a sample, and some samples wide.
+    // Much thinner than a sample, and several samples wide.
     for diameter in [60.0, 3000.0] {
         let fixture = fixture(gpu, diameter, 6);
         let strands = Strands {
@@ -94,7 +94,7 @@ fn fragments_are_those_of_the_twin() {
                         odd += 1;
                         assert!(away(n) < 0.1, "{diameter} um, sample {i}: {n:?} {f:?}");
                     }
-                    // A sliver, or a column's centre at a segment's very end.
+                    // A sliver, or a column whose centre is at the end of a segment.
                     None => odd += 1,
                 }
             }

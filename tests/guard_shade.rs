@@ -1,4 +1,4 @@
-//! `guard_shade` against its twin: the radiance of every strand vertex.
+//! `guard_shade` against its CPU twin: the radiance of every strand vertex.
 
 use crate::common::gpu;
 use crate::common::lit::Lit;

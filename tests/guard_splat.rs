@@ -1,4 +1,4 @@
-//! `guard_splat` against its twin: nothing of the guard hairs is lost between strands and lattice.
+//! `guard_splat` against its CPU twin: the guard hairs are deposited on the lattice without loss.
 
 use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage_fur::layout::{Column, Root};
@@ -19,7 +19,7 @@ fn haired(size: f32, guard: &str) -> pelage_core::World {
     world_on(&scene, Some(scaled(jittered_grid(6, 0.15), size, 6.0 * size)), Vec::new())
 }
 
-/// The deposits, drawn once more into a buffer of our own.
+/// The deposits, computed again into a separate buffer.
 fn redrawn(fixture: &Fixture) -> Vec<u32> {
     let p = &fixture.prepared;
     let nodes = (fixture.fur.columns * (fixture.fur.levels + 1)) as usize;
@@ -59,7 +59,7 @@ fn deposits_are_those_of_the_twin() {
         }
         let off: f64 = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).sum();
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
-        // What the passes kept.
+        // The result of the passes.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
         let coat = fixture.evaluated_undercoat();
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());

@@ -1,4 +1,4 @@
-//! `guard_strands` against its twin, and the shape of the strands.
+//! `guard_strands` against its CPU twin, and the shape of the strands.
 
 use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use pelage_fur::guard_strands::{diameter, strand};

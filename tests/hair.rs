@@ -1,4 +1,4 @@
-//! HAIR files: what is written reads back, and nothing else is believed.
+//! HAIR files: written files read back the same, and damaged files are errors.
 
 use crate::common::{assets, cases};
 use glam::Vec3;
@@ -61,7 +61,7 @@ fn the_header_is_as_documented() {
 }
 
 #[test]
-fn forged_and_truncated_files_are_refused() {
+fn forged_and_truncated_files_are_errors() {
     let good = bytes_of(&sample(vec![4; 10], false));
     let arrays = bytes_of(&sample(vec![4, 2, 0], true));
     let forged = |bytes: &[u8], at: usize, word: u32| {

@@ -1,4 +1,4 @@
-//! `hair_roots` against its twin, and the statistics of the roots.
+//! `hair_roots` against its CPU twin, and the statistics of the roots.
 
 use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use glam::Vec3;
@@ -22,7 +22,7 @@ fn twin(fixture: &Fixture) -> Roots<'_> {
     Roots { shell: &fixture.shell, maps: fixture.maps(), density, seed: fixture.world.scene.render.seed }
 }
 
-/// Whether rounding may change the number of candidates of a triangle or the fate of one.
+/// Whether rounding may change the number of candidates of a triangle, or whether one is kept.
 fn ambiguous(roots: &Roots<'_>, prism: u32) -> bool {
     let seed = hash2(roots.seed, prism);
     let number = roots.expected(prism) + random(seed, 0);
@@ -80,7 +80,7 @@ fn as_many_roots_as_area_times_density() {
     }
     let sigma = f64::sqrt(variance);
     assert!((found - expected).abs() < 3.0 * sigma, "{found} roots, {expected} expected, sigma {sigma}");
-    // Rounding the number of each triangle down instead would be seen.
+    // Rounding the number of each triangle down instead would be detected.
     assert!(0.25 * 4.0 * 128.0 > 3.0 * sigma);
 }
 
@@ -94,7 +94,7 @@ fn thinning_follows_the_map() {
         skin_point(&fixture.shell, r.prism, Vec3::new(1.0 - l1 - l2, l1, l2)).uv.x
     };
     assert!(!found.iter().any(|r| u(r) < 0.45 && u(r) > 0.05), "roots where the map is bald");
-    // The density rises evenly from the middle on: three quarters of the hairs stand in the last
+    // The density rises evenly from the middle on: three quarters of the hairs are in the last
     // quarter.
     let part = |low: f32, high: f32| found.iter().filter(|r| (low..high).contains(&u(r))).count() as f32;
     let share = part(0.75, 0.95) / part(0.55, 0.95);

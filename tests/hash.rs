@@ -1,4 +1,4 @@
-//! `shared/random` and `shared/octahedral` against their twins.
+//! `shared/random` and `shared/octahedral` against their CPU twins.
 
 use crate::common::gpu;
 use glam::Vec3;

@@ -1,11 +1,10 @@
-//! Lapped patches: what must hold on any mesh.
+//! Lapped patches: properties that hold on any mesh.
 
 use crate::common::shapes::{SHAPES, shape};
 use crate::common::{Folder, assets, cases, command, json, pelage, run};
 use glam::{DVec2, DVec3, Vec2, Vec3};
 use pelage_core::Skin;
-use pelage_core::mesh;
-use pelage_core::mesh::Mesh;
+use pelage_core::mesh::{self, Mesh};
 use pelage_core::scene::{FieldSource, FieldVector, LappedSpec, Scene, Shape};
 use pelage_shells::lapped::{Lapped, contains, lap};
 use proptest::prelude::*;
@@ -22,7 +21,7 @@ fn scene(edit: impl FnOnce(&mut LappedSpec)) -> Scene {
     scene
 }
 
-fn made(skin: &Skin, scene: &Scene, name: &str) -> Lapped {
+fn lap_and_check(skin: &Skin, scene: &Scene, name: &str) -> Lapped {
     let lapped = lap(skin, scene).unwrap_or_else(|e| panic!("{name}: {e}"));
     check(skin, scene, &lapped, name);
     lapped
@@ -45,7 +44,7 @@ fn jacobian(corners: [DVec3; 3], uv: &[Vec2; 3], s: DVec3) -> Option<[DVec2; 2]>
     Some([along(s), along(t)])
 }
 
-/// Everything that holds for any skin and any settings.
+/// Checks the properties that hold for any skin and any settings.
 fn check(skin: &Skin, scene: &Scene, lapped: &Lapped, name: &str) {
     let (faces, spec) = (skin.triangles.len(), &scene.lapped);
     assert_eq!([lapped.field.len(), lapped.topmost.len(), lapped.corner_uv.len()], [faces; 3], "{name}");
@@ -127,17 +126,17 @@ fn check_disc(skin: &Skin, faces: &[u32], name: &str) {
 }
 
 #[test]
-fn every_shape_is_covered_in_every_way() {
+fn every_shape_is_covered_with_all_settings() {
     SHAPES.into_par_iter().for_each(|which| {
         let skin = shape(which);
-        let ways = [
+        let scenes = [
             scene(|_| ()),
             scene(|s| (s.overlapping, s.irregularity) = (true, 0.6)),
             scene(|s| (s.aligned, s.irregularity) = (false, 0.0)),
             scene(|s| s.field = FieldSource::Gravity),
         ];
-        for (i, scene) in ways.iter().enumerate() {
-            made(&skin, scene, &format!("{which:?}, way {i}"));
+        for (i, scene) in scenes.iter().enumerate() {
+            lap_and_check(&skin, scene, &format!("{which:?}, scene {i}"));
         }
     });
 }
@@ -147,7 +146,7 @@ fn flat_and_rolled_skins_are_flattened_without_stretch() {
     for which in [Shape::Plane, Shape::CylinderPelt] {
         for overlapping in [false, true] {
             let skin = shape(which);
-            let lapped = made(&skin, &scene(|s| s.overlapping = overlapping), "flat");
+            let lapped = lap_and_check(&skin, &scene(|s| s.overlapping = overlapping), "flat");
             let s = lapped.statistics(&skin).unwrap();
             assert!(s.worst_stretch < 1.002, "{which:?}: {}", s.worst_stretch);
             assert!(s.worst_angle_error.unwrap() < 0.1, "{which:?}: {s:?}");
@@ -158,7 +157,7 @@ fn flat_and_rolled_skins_are_flattened_without_stretch() {
 #[test]
 fn a_torus_needs_no_singular_point() {
     let skin = shape(Shape::Torus);
-    let s = made(&skin, &scene(|_| ()), "torus").statistics(&skin).unwrap();
+    let s = lap_and_check(&skin, &scene(|_| ()), "torus").statistics(&skin).unwrap();
     assert!(s.worst_angle_error.unwrap() < 15.0 && s.worst_stretch < 1.4, "{s:?}");
     assert_eq!((s.flipped, s.faces, s.coverage), (0, 5120, 1.0));
     assert!(s.mean_stretch >= 1.0 && s.mean_stretch < 1.1 && s.layers > 1.0, "{s:?}");
@@ -168,7 +167,8 @@ fn a_torus_needs_no_singular_point() {
 fn smaller_outlines_make_more_patches_and_longer_seams() {
     let skin = shape(Shape::Sphere);
     let of = |radius| {
-        let s = made(&skin, &scene(|s| s.radius = Some(radius)), "sphere").statistics(&skin).unwrap();
+        let s =
+            lap_and_check(&skin, &scene(|s| s.radius = Some(radius)), "sphere").statistics(&skin).unwrap();
         (s.patches, s.seam_length)
     };
     let (coarse, fine) = (of(2.0), of(0.6));
@@ -182,7 +182,7 @@ fn smaller_outlines_make_more_patches_and_longer_seams() {
 fn isotropic_patches_are_turned_at_random() {
     let skin = shape(Shape::Plane);
     let turns = |aligned| {
-        let lapped = made(&skin, &scene(|s| s.aligned = aligned), "plane");
+        let lapped = lap_and_check(&skin, &scene(|s| s.aligned = aligned), "plane");
         let turn = |(patch, p): (&pelage_shells::lapped::Patch, usize)| {
             let f = patch.faces[p] as usize;
             let corners = skin.corners(f).map(|p| p.as_dvec3());
@@ -207,8 +207,8 @@ fn parts_isolated_faces_and_needles_are_covered() {
     ball.colors.extend_from_within(..);
     ball.triangles.extend(copy);
     for overlapping in [false, true] {
-        made(&ball, &scene(|s| s.overlapping = overlapping), "two balls");
-        // Triangles of all thicknesses down to nothing, each alone.
+        lap_and_check(&ball, &scene(|s| s.overlapping = overlapping), "two balls");
+        // Isolated triangles of all thicknesses down to 0.
         let mut needles = Skin::default();
         for i in 0..24 {
             let (y, thin) = (Vec3::Y * i as f32, 10.0_f32.powi(-i));
@@ -221,7 +221,7 @@ fn parts_isolated_faces_and_needles_are_covered() {
             needles.normals.extend([Vec3::NEG_Y; 3]);
             needles.triangles.push([first, first + 1, first + 2]);
         }
-        let lapped = made(&needles, &scene(|s| s.overlapping = overlapping), "needles");
+        let lapped = lap_and_check(&needles, &scene(|s| s.overlapping = overlapping), "needles");
         let s = lapped.statistics(&needles).unwrap();
         assert!(s.needles > 10 && s.flipped == 0, "{s:?}");
     }
@@ -239,7 +239,7 @@ proptest! {
         size in -3_i32..4,
         far in prop::bool::ANY,
         radius in prop::option::of(0.2_f32..3.0),
-        ways in (prop::bool::ANY, prop::bool::ANY, prop::bool::ANY),
+        flags in (prop::bool::ANY, prop::bool::ANY, prop::bool::ANY),
     ) {
         let size = 10_f32.powi(size);
         let away = if far { Vec3::splat(300.0 * size) } else { Vec3::ZERO };
@@ -249,12 +249,12 @@ proptest! {
         let n = positions.len() as u32;
         let skin = skin(positions, picks.iter().map(|(a, b, c)| [a % n, b % n, c % n]).collect());
         prop_assume!(skin.area() > 0.0);
-        let (overlapping, aligned, gravity) = ways;
+        let (overlapping, aligned, gravity) = flags;
         let field = if gravity { FieldSource::Gravity } else { FieldSource::Auto };
         let scene = scene(|s| {
             *s = LappedSpec { radius: radius.map(|r| r * size), overlapping, aligned, field, ..s.clone() }
         });
-        made(&skin, &scene, "soup");
+        lap_and_check(&skin, &scene, "soup");
     }
 
     /// Rough heights over a grid with holes.
@@ -270,7 +270,7 @@ proptest! {
         let halves = quads.flat_map(|q| [[q, q + 9, q + 1], [q + 1, q + 9, q + 10]]);
         let triangles = halves.enumerate().filter(|(i, _)| !holes.contains(i)).map(|(_, t)| t).collect();
         let skin = skin((0..81).map(at).collect(), triangles);
-        made(&skin, &scene(|s| (s.overlapping, s.radius) = (overlapping, Some(2.0))), "landscape");
+        lap_and_check(&skin, &scene(|s| (s.overlapping, s.radius) = (overlapping, Some(2.0))), "landscape");
     }
 }
 
@@ -285,14 +285,14 @@ fn every_mesh_of_the_assets_is_covered() {
     paths.par_iter().for_each(|path| {
         let name = path.file_name().unwrap().to_string_lossy().into_owned();
         let skin = mesh::skin_of(mesh::obj::read(path).unwrap());
-        let lapped = made(&skin, &scene(|_| ()), &name);
+        let lapped = lap_and_check(&skin, &scene(|_| ()), &name);
         let patches = lapped.patches.len();
         eprintln!("{name}: {patches} patches on {} faces, {:.0} ms", skin.triangles.len(), lapped.time_ms);
         // 306 in the paper's Table 1.
         assert!(name != "bunny-5k.obj" || (230..400).contains(&patches), "{patches}");
         if skin.triangles.len() < 2000 {
-            made(&skin, &scene(|s| s.overlapping = true), &name);
-            made(&skin, &scene(|s| (s.aligned, s.field) = (false, FieldSource::Gravity)), &name);
+            lap_and_check(&skin, &scene(|s| s.overlapping = true), &name);
+            lap_and_check(&skin, &scene(|s| (s.aligned, s.field) = (false, FieldSource::Gravity)), &name);
         }
     });
 }
@@ -302,8 +302,8 @@ fn gravity_and_comb_follow_their_direction() {
     let skin = shape(Shape::Sphere);
     let mut comb = scene(|s| s.field = FieldSource::Groom);
     comb.guard.comb_direction = [0.0, -3.0, 0.0];
-    let gravity = made(&skin, &scene(|s| s.field = FieldSource::Gravity), "gravity");
-    let combed = made(&skin, &comb, "comb");
+    let gravity = lap_and_check(&skin, &scene(|s| s.field = FieldSource::Gravity), "gravity");
+    let combed = lap_and_check(&skin, &comb, "comb");
     for f in 0..skin.triangles.len() {
         let [a, b, c] = skin.corners(f);
         let n = (b - a).cross(c - a).normalize();
@@ -311,8 +311,8 @@ fn gravity_and_comb_follow_their_direction() {
         assert!(n.y.abs() > 0.9 || gravity.field[f].dot(down) > 0.99, "{f}: {}", gravity.field[f]);
         assert!(combed.field[f].distance(gravity.field[f]) < 1e-5);
     }
-    // On a level skin no direction points down; it is covered all the same.
-    made(&shape(Shape::Plane), &scene(|s| s.field = FieldSource::Gravity), "level");
+    // On a level skin no direction points down; it is covered nevertheless.
+    lap_and_check(&shape(Shape::Plane), &scene(|s| s.field = FieldSource::Gravity), "level");
 }
 
 fn vector(at: [f32; 3], direction: [f32; 3]) -> FieldVector {
@@ -323,7 +323,7 @@ fn vector(at: [f32; 3], direction: [f32; 3]) -> FieldVector {
 fn vectors_are_interpolated() {
     let skin = shape(Shape::Plane);
     let ends = [vector([-4.9, 0.0, 0.0], [1.0, 0.4, 0.0]), vector([4.9, 0.0, 0.0], [0.0, 0.0, -1.0])];
-    let lapped = made(
+    let lapped = lap_and_check(
         &skin,
         &scene(|s| (s.field, s.vectors) = (FieldSource::Vectors, ends.to_vec())),
         "plane with two vectors",
@@ -347,11 +347,11 @@ fn vectors_are_interpolated() {
     let copy: Vec<_> = two.triangles.iter().map(|t| t.map(|v| v + count)).collect();
     two.triangles.extend(copy);
     let one = vec![vector([7.0, 0.0, 0.0], [0.0, 1.0, 0.0])];
-    made(&two, &scene(|s| (s.field, s.vectors) = (FieldSource::Vectors, one)), "two tori");
+    lap_and_check(&two, &scene(|s| (s.field, s.vectors) = (FieldSource::Vectors, one)), "two tori");
 }
 
 #[test]
-fn settings_that_mean_nothing_are_refused() {
+fn meaningless_settings_are_errors() {
     let sphere = shape(Shape::Sphere);
     let fault = |skin: &Skin, scene: &Scene, parts: &[&str]| {
         let e = lap(skin, scene).map(|_| "patches").unwrap_err();
@@ -406,7 +406,7 @@ fn a_seed_gives_the_same_bytes_on_any_number_of_threads() {
 #[test]
 fn the_command_writes_patches_pictures_and_statistics() {
     let folder = Folder::new();
-    // A tetrahedron, which is a mesh by its name.
+    // A tetrahedron; its file extension makes it a mesh.
     let mesh = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n";
     let path = folder.write("tetra.OBJ", mesh);
     let out = folder.at("made/here");
@@ -448,7 +448,7 @@ fn the_command_writes_patches_pictures_and_statistics() {
 }
 
 #[test]
-fn the_command_says_what_is_wrong() {
+fn errors_of_the_command_are_readable() {
     let folder = Folder::new();
     let out = folder.at("out");
     let bare = folder.write("bare.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\n");
@@ -474,7 +474,7 @@ fn the_command_says_what_is_wrong() {
     pelage(&["lapped", &fine]).expect(2, &["--outfile"]);
     pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH.obj"]);
     let taken = folder.write("taken", "");
-    pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be made"]);
+    pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be created"]);
     let mut here = command();
     here.current_dir(folder.path()).args(["lapped", "fine.obj", "-o", "out"]);
     run(&mut here).expect(0, &[]);

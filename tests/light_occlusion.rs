@@ -1,4 +1,4 @@
-//! `light_occlusion` against its twin, which tries every triangle.
+//! `light_occlusion` against its CPU twin, which tries every triangle.
 
 use crate::common::gpu::{self, Fixture};
 use pelage_fur::layout::Column;

@@ -66,3 +66,4 @@ mod undercoat_light;
 mod undercoat_march;
 mod undercoat_source;
 mod validate;
+mod wording;

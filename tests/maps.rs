@@ -1,4 +1,4 @@
-//! Maps of the groom: which are loaded, how they are looked up, which fail with an error.
+//! Maps of the groom: loading, sampling, and errors.
 
 use glam::{Vec2, Vec3};
 use pelage_core::assets::Assets;
@@ -39,7 +39,7 @@ fn bilinear_lookup() {
     // Texel centres: v = 0.75 is the top row, v = 0.25 the bottom row.
     close(map.bilinear(Vec2::new(0.125, 0.75)), [0.0, 0.0, 0.0, 1.0]);
     close(map.bilinear(Vec2::new(0.625, 0.25)), [12.0, 2.0, 1.0, 1.0]);
-    // Half way between texels.
+    // Halfway between texels.
     close(map.bilinear(Vec2::new(0.25, 0.75)), [0.5, 0.5, 0.0, 1.0]);
     close(map.bilinear(Vec2::new(0.125, 0.5)), [5.0, 0.0, 0.5, 1.0]);
     // Over the edges: the last and the first texel mix.

@@ -1,4 +1,4 @@
-//! Shapes, skins, neighbours: what loading a mesh must hold to.
+//! Shapes, skins, neighbours: properties of loaded meshes.
 
 use crate::common::shapes::{SHAPES, no_file, shape};
 use crate::common::{assets, cases};
@@ -19,7 +19,7 @@ fn volume(skin: &Skin) -> f64 {
     (0..skin.triangles.len()).map(volume).sum()
 }
 
-/// What holds for every skin.
+/// Checks the properties that hold for every skin.
 fn check_skin(skin: &Skin, name: &str) -> Topology {
     assert_eq!(skin.positions.len(), skin.normals.len(), "{name}");
     assert_eq!(skin.positions.len(), skin.colors.len(), "{name}");
@@ -69,7 +69,7 @@ fn shapes_have_their_counts_areas_and_borders() {
         let name = format!("{which:?}");
         let skin = shape(which);
         let topology = check_skin(&skin, &name);
-        // The critter's count hangs on float rounding; the others are exact.
+        // The critter's count depends on float rounding; the others are exact.
         match which {
             Shape::Critter => {
                 assert!((6000..=10000).contains(&skin.triangles.len()), "{}", skin.triangles.len())

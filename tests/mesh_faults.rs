@@ -1,4 +1,4 @@
-//! OBJ files as people really have them, and as nobody should.
+//! OBJ files with the defects of real files, and with deliberate ones.
 
 use crate::common::cases;
 use glam::{Vec2, Vec3};
@@ -17,7 +17,7 @@ const TRIANGLE: &str = "v 0 0 0\nv 1 0 0\nv 0 1 0\n";
 
 #[test]
 fn faults_name_file_line_found_and_expected() {
-    // Text after the three vertices (so it begins on line 4), and what the message must hold.
+    // Text after the three vertices, from line 4, and parts of the message.
     let rows = [
         ("v nan 0 0\nf 1 2 3", &["test.obj:4", "`nan`", "finite"][..]),
         ("v 0 -inf 0\nf 1 2 3", &["test.obj:4", "`-inf`", "finite"]),
@@ -87,7 +87,7 @@ fn empty_files_and_files_without_faces() {
 }
 
 #[test]
-fn huge_files_are_refused_before_memory_is_spent() {
+fn huge_files_are_errors_before_memory_is_allocated() {
     let limits = Limits { bytes: 1000, vertices: 3, triangles: 2 };
     let parse = |text: String| parse(text.as_bytes(), Path::new("test.obj"), &limits);
     parse(format!("{TRIANGLE}f 1 2 3\n")).expect("within the limits");
@@ -199,7 +199,7 @@ fn polygons_are_cut_concave_ones_too() {
     let hexagon: Vec<Vec2> = (0..6).map(|i| Vec2::from_angle(i as f32)).collect();
     let (_, _, mesh) = areas(&hexagon);
     assert_eq!(mesh.notes, ["1 polygons cut into triangles"]);
-    // A bow tie crosses itself: cut somehow, and said so or cut by ears, never a hang.
+    // A bow tie intersects itself: it is triangulated, with or without a note, and never hangs.
     obj("v 0 0 0\nv 1 1 0\nv 1 0 0\nv 0 1 0\nf 1 2 3 4\n").expect("bow tie");
 }
 
@@ -231,12 +231,12 @@ proptest! {
 
     #[test]
     fn no_text_makes_the_reader_panic(
-        words in prop::collection::vec(prop::sample::select(vec![
+        parts in prop::collection::vec(prop::sample::select(vec![
             "v", "vt", "vn", "f", "l", "o", "g", "usemtl", "mtllib", "#", "\\", "\n", "\n", "\n", "\r", " ", "1", "2", "-1",
             "0", "3/1", "2//1", "1/1/1", "-1/-1", "/", "//", "nan", "1e38", "1e-40", "0.5", "\u{e9}", "4",
         ]), 0..120)
     ) {
-        let text = words.join(" ");
+        let text = parts.join(" ");
         if let Ok(mesh) = obj(&text) {
             let skin = skin_of(mesh);
             prop_assert!(skin.normals.iter().all(|n| n.is_finite()));

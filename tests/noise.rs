@@ -44,7 +44,7 @@ fn simplex_noise_is_that_of_the_crate() {
         let (plane, space) = differences(gpu, seed, seed);
         assert!(plane < 1e-4 && space < 1e-4, "seed {seed}: {plane} in the plane, {space} in space");
     }
-    // The comparison sees the tables of another seed.
+    // The comparison detects the tables of another seed.
     let (plane, space) = differences(gpu, 1, 2);
     assert!(plane > 0.5 && space > 0.5, "{plane} {space}");
 }

@@ -1,4 +1,4 @@
-//! Segments of hairs against dense sampling along rays.
+//! Intersection of rays with hair segments against dense sampling along the rays.
 
 use glam::{DVec3, Vec3, Vec3A};
 use pelage_fur::random::{hash2, random, random_direction};
@@ -13,7 +13,7 @@ struct Case {
     direction: Vec3,
 }
 
-/// Whether a point lies in the segment: straight from the definition.
+/// Whether a point lies in the segment, by its definition.
 fn inside(case: &Case, p: DVec3) -> bool {
     let (start, end) = (case.start.as_dvec3(), case.end.as_dvec3());
     let axis = (end - start).normalize();

@@ -1,16 +1,15 @@
-//! Strands grown on the CPU: guard hairs as the renderer's, undercoat as its volume says.
+//! Strands grown on the CPU: guard hairs like the renderer's, undercoat like its volume.
 
 use crate::common::beams::{Beam, hits, segments, transmittance};
 use crate::common::gpu::{self, image, jittered_grid, scaled, world, world_on};
 use crate::common::on_threads;
 use glam::{Vec2, Vec3};
 use pelage_core::World;
-use pelage_fur::Layer;
-use pelage_fur::groom;
 use pelage_fur::random::{hash2, random};
 use pelage_fur::shell_prisms::shell_of;
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::Undercoat;
+use pelage_fur::{Layer, groom};
 use pelage_pathtrace::grow::{GrowOptions, Patch, estimate, grow};
 use pelage_pathtrace::strands::Strands;
 
@@ -19,7 +18,7 @@ fn square(side: f32, text: &str) -> World {
     world(&format!("[mesh]\nshape = \"plane\"\nsize = {side}\n{text}"))
 }
 
-/// Upright hairs as even as they come; `text` is added to the undercoat.
+/// Upright hairs without random variation; `text` is added to the undercoat.
 fn even(side: f32, text: &str) -> World {
     square(
         side,
@@ -102,7 +101,7 @@ fn as_many_hairs_as_area_times_density() {
     let (found, wanted, sigmas) = count(&ball);
     println!("{found} hairs on a ball, {wanted:.0} expected, {sigmas:+.2} sigma");
     assert!(sigmas.abs() < 3.0, "{found} hairs, {wanted} expected");
-    // The comparator notices two per cent more.
+    // The comparison detects two per cent more.
     assert!((found * 1.02 - wanted).abs() > 3.0 * wanted.sqrt());
 }
 
@@ -209,7 +208,7 @@ fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3]
     let mut seen = vec![0.0f64; N * N];
     for (hair, points) in strands.hairs.iter().zip(strands.points.chunks(strands.segments + 1)) {
         if hair.present >> k & 1 == 1 {
-            // Where upright hairs stand.
+            // The positions of upright hairs.
             let [x, z] = [points[k].x, points[k].z].map(|x| (((x + 1.0) * 10.0) as usize).min(N - 1));
             seen[z * N + x] += 1.0;
         }
@@ -249,7 +248,7 @@ fn hairs_are_as_dense_as_the_volume() {
         // Of 400 cells: within 3.5 standard deviations, and the noise of what is expected.
         assert!((chi - 1.0).abs() < 0.3, "chi-square {chi} at {t}");
     }
-    // Another height has other clumps.
+    // The clumps differ from height to height.
     let [chi, seen, wanted] = crossings(&world, &strands, 0.35, 0.75);
     assert!(chi > 2.0 && (seen / wanted - 1.0).abs() > 0.1, "{chi} {seen} {wanted}");
 }
@@ -315,7 +314,7 @@ fn the_same_hairs_whatever_the_threads() {
 }
 
 #[test]
-fn a_patch_holds_the_hairs_that_stand_in_it() {
+fn a_patch_contains_the_hairs_rooted_in_it() {
     let world = world(
         "[mesh]\nshape = \"torus\"\nsize = 4\n[render]\nseed = 6\n[undercoat]\nheight = 0.2\nlean = 0.3\ndensity = 4000",
     );
@@ -336,7 +335,7 @@ fn a_patch_holds_the_hairs_that_stand_in_it() {
 }
 
 #[test]
-fn estimates_come_true_and_refuse_in_words() {
+fn estimates_hold_and_fail_with_readable_errors() {
     let patch = Some(Patch { centre: Vec3::new(0.3, 0.0, -0.2), radius: 0.7 });
     for patch in [None, patch] {
         let world = square(2.0, "[undercoat]\nheight = 0.3\ndensity = 9000");
@@ -355,12 +354,12 @@ fn estimates_come_true_and_refuse_in_words() {
             assert!((estimated as f64 / is as f64 - 1.0).abs() < 0.06, "{estimated} estimated, {is} grown");
         }
         assert!(estimate.check(estimate.bytes).is_ok());
-        let refusal = estimate.check(1000).expect_err("too much").to_string();
-        assert!(refusal.contains("undercoat hairs") && refusal.contains("GiB"), "{refusal}");
+        let error = estimate.check(1000).expect_err("too much").to_string();
+        assert!(error.contains("undercoat hairs") && error.contains("GiB"), "{error}");
     }
     let bad = GrowOptions { undercoat_segments: 65, ..Default::default() };
-    let refusal = grow(&square(1.0, ""), &bad).expect_err("65 segments").to_string();
-    assert!(refusal.contains("65") && refusal.contains("1 to 64"), "{refusal}");
+    let error = grow(&square(1.0, ""), &bad).expect_err("65 segments").to_string();
+    assert!(error.contains("65") && error.contains("1 to 64"), "{error}");
 }
 
 #[test]

@@ -1,4 +1,4 @@
-//! What light does among traced hairs: lossless hairs in an even sky, analytic radiance and
+//! Light transport among traced hairs: lossless hairs in a uniform sky, analytic radiance and
 //! coverage, shadows, sampling strategies.
 
 use crate::common::hairs::*;
@@ -13,7 +13,7 @@ use pelage_pathtrace::{Accumulator, Integrator, LightModel, Strategy, Tracer};
 
 const WHITE: Vec3 = Vec3::ONE;
 
-/// A thick tuft of leaning, tapered hairs before a camera that looks down at it.
+/// A thick tuft of leaning, tapered hairs in front of a camera above it.
 fn tuft(color: Vec3) -> Strands {
     strands(Layer::Undercoat, 6, coat(900, 0.8, 0.6, 0.008, 0.4, 6, 3), color)
 }
@@ -69,11 +69,12 @@ fn one_hair_shines_and_covers_as_computed() {
     let points = straight(Vec3::new(-0.5 * length, 0.0, 0.0), Vec3::new(0.5 * length, 0.0, 0.0), radius, 4);
     let hair = strands(Layer::Guard, 4, points, Vec3::new(0.5, 1.0, 0.25));
     let film = trace(&world, vec![hair], &options(Integrator::Single, LightModel::Scene, 4096));
-    // The hair seen from its middle: the silhouettes lie on its girth nearer to the eye.
+    // The hair seen from its middle: the silhouettes are on the part of its girth nearer to the
+    // camera.
     let extent = 10.0 * 10f64.to_radians().tan();
     let r = f64::from(radius);
     let half_height = r / (100.0 - r * r).sqrt() * 10.0;
-    // Its ends bulge towards the eye, by π/4 of the radius on average.
+    // Its ends bulge towards the camera, by π/4 of the radius on average.
     let ends = f64::from(length) * 0.5 * (1.0 + 0.25 * std::f64::consts::PI * r / 10.0);
     let expected = (2.0 * half_height) * (2.0 * ends) / (2.0 * extent).powi(2);
     let alpha = mean(&film, "A");
@@ -174,7 +175,7 @@ fn by_strategy(strategy: Strategy, samples: u32) -> f64 {
 }
 
 #[test]
-fn all_ways_to_find_the_sky_have_one_mean() {
+fn all_sampling_strategies_have_the_same_mean() {
     let both = by_strategy(Strategy::Both, 256);
     for (strategy, samples, tolerance) in [(Strategy::Light, 256, 0.005), (Strategy::Scattering, 1024, 0.01)]
     {
@@ -216,7 +217,7 @@ fn random_parallel_hairs_follow_beer_and_lambert() {
         let (found, wanted) = transmittance(degrees);
         println!("{degrees} degrees: {found:.4}, Beer and Lambert {wanted:.4}");
         assert!((found / wanted - 1.0).abs() < 0.02, "{degrees} degrees: {found} is not {wanted}");
-        // Hairs that are 5 % thicker would be noticed.
+        // Hairs that are 5 % thicker would be detected.
         assert!((found / (-1.05f64).exp() - 1.0).abs() > 0.02);
     }
 }

@@ -6,18 +6,17 @@ use crate::common::hairs::*;
 use glam::Vec3;
 use pelage_core::scene::DirectionalLight;
 use pelage_fur::Layer;
-use pelage_pathtrace as pathtrace;
-use pelage_pathtrace::{Accumulator, Integrator, LightModel, Tracer};
+use pelage_pathtrace::{self as pathtrace, Accumulator, Integrator, LightModel, Tracer};
 use std::time::Instant;
 
-/// Most memory that this process has had, bytes; `None` where the system does not say.
+/// Peak memory of this process, bytes; `None` if the system does not report it.
 fn peak() -> Option<u64> {
     let status = std::fs::read_to_string("/proc/self/status").ok()?;
     let line = status.lines().find_map(|l| l.strip_prefix("VmHWM:"))?;
     Some(line.trim().strip_suffix(" kB")?.parse::<u64>().ok()? * 1024)
 }
 
-/// Seconds that all threads have run, in hundredths.
+/// CPU time of all threads, s, with a resolution of 0.01 s.
 fn cpu() -> f64 {
     let stat = std::fs::read_to_string("/proc/self/stat").unwrap_or_default();
     let fields: Vec<&str> = stat.rsplit(')').next().unwrap_or_default().split_whitespace().collect();
@@ -28,7 +27,7 @@ fn variable<T: std::str::FromStr>(name: &str, usual: T) -> T {
     std::env::var(name).ok().and_then(|v| v.parse().ok()).unwrap_or(usual)
 }
 
-/// The peak is that of the process: other tests beside this one would count.
+/// The peak is that of the process, so that the test runs in a process of its own.
 #[test]
 fn a_tracer_takes_no_more_memory_than_estimated() {
     alone("pathtrace_memory::a_tracer_takes_no_more_memory_than_estimated", measure);

@@ -1,5 +1,4 @@
-//! Renderings by the path tracer: threads, passes, going on from a file, how the error falls, the
-//! command.
+//! Renderings of the path tracer: threads, passes, resuming from a file, convergence, the command.
 
 use crate::common::hairs::*;
 use crate::common::{Folder, on_threads, pelage};
@@ -9,9 +8,8 @@ use pelage_core::scene::DirectionalLight;
 use pelage_core::{Error, World};
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
-use pelage_pathtrace as pathtrace;
 use pelage_pathtrace::strands::Strands;
-use pelage_pathtrace::{Accumulator, Integrator, LightModel, Options, Outcome};
+use pelage_pathtrace::{self as pathtrace, Accumulator, Integrator, LightModel, Options, Outcome};
 
 fn world() -> World {
     empty_world(|s| {
@@ -41,7 +39,7 @@ fn bits(film: &Film) -> Vec<(String, Vec<u32>)> {
 }
 
 #[test]
-fn threads_and_passes_do_not_show() {
+fn threads_and_passes_do_not_change_the_image() {
     let world = world();
     let base = options(Integrator::Path, LightModel::Map, 12);
     let of = |threads: usize, pass: u32| {
@@ -69,7 +67,7 @@ fn parts_add_up() {
 }
 
 #[test]
-fn what_goes_on_ends_as_if_it_had_not_stopped() {
+fn a_resumed_rendering_equals_an_uninterrupted_one() {
     let world = world();
     let folder = Folder::new();
     let path = folder.path().join("half.exr");
@@ -90,7 +88,7 @@ fn what_goes_on_ends_as_if_it_had_not_stopped() {
     save(&resumed.film, 22, &a);
     save(&whole.film, 22, &b);
     assert!(std::fs::read(a).unwrap() == std::fs::read(b).unwrap());
-    // What differs is named.
+    // The error names the difference.
     let mut other = world.clone();
     other.scene.guard.length = 3.0.into();
     let options = Options { integrator: Integrator::Single, seed: 7, ..base };
@@ -116,20 +114,20 @@ fn error_between_halves_falls_as_one_over_the_samples_and_is_that_against_the_tr
     let actual = pelage_studies::compare::compare(&few.film, &truth.film).unwrap().all.relative_mse;
     println!("16 samples against the truth: {actual:.3e}");
     assert!((0.6..1.6).contains(&(actual / few.error)), "{actual} is not {}", few.error);
-    // The variance says the same in another way, sequences being better than independent samples.
+    // The variance gives the same error, except that sequences are better than independent samples.
     let (variance, mean_square) = (mean(&few.film, "variance.Y"), {
         let (a, b) = (few.film.plane("half0.G").unwrap(), few.film.plane("half1.G").unwrap());
         a.iter().zip(b).map(|(a, b)| f64::from(0.25 * (a - b) * (a - b))).sum::<f64>() / a.len() as f64
     });
     println!("variance {variance:.3e}, from halves {mean_square:.3e}");
     assert!((0.5..6.0).contains(&(variance / mean_square)), "{variance} {mean_square}");
-    // An error to reach ends the rendering.
+    // The rendering stops when it reaches the given error.
     let reached = outcome(&world, &Options { samples: None, error: Some(2.0 * many.error), ..base });
     assert!(reached.error <= 2.0 * many.error && reached.samples < 256, "{reached:?}");
 }
 
 #[test]
-fn limits_are_needed_and_memory_is_refused() {
+fn a_limit_is_required_and_memory_is_bounded() {
     let world = world();
     let none = Options { samples: None, ..Options::default() };
     let fault = pathtrace::render_coats(&world, coats(), &none, &mut |_| Ok(())).unwrap_err();
@@ -150,7 +148,7 @@ const SCENE: &str = "preset = 'rabbit'\n[mesh]\nshape = 'sphere'\nsize = 2\n[cam
     [film]\nwidth = 32\nheight = 24\n[guard]\ndensity = 100\n[undercoat]\ndensity = 500\n[[lights]]\n";
 
 #[test]
-fn the_command_writes_goes_on_and_refuses() {
+fn the_command_writes_resumes_and_reports_errors() {
     let folder = Folder::new();
     let scene = folder.write("ball.toml", SCENE);
     let (exr, whole) = (folder.at("ball.exr"), folder.at("whole.exr"));

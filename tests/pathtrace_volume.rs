@@ -15,7 +15,7 @@ use pelage_pathtrace::grow::{GrowOptions, grow};
 use pelage_pathtrace::strands::Strands;
 use std::f32::consts::TAU;
 
-/// A fur of few thick hairs: optical depths are those of many thin ones.
+/// A fur of few thick hairs, with the optical depths of many thin ones.
 fn furry(mesh: &str, coat: &str) -> World {
     let text = format!(
         "[mesh]\n{mesh}\n[guard]\ncomb_direction = [1, 0, 0]\n[render]\nfur = \"implicit\"\nseed = 2\n\
@@ -29,7 +29,7 @@ struct Both {
     shell: Shell,
     fur: FurParameters,
     strands: Strands,
-    /// Middles of the triangles, cm.
+    /// Centroids of the triangles, cm.
     middles: Vec<Vec3>,
 }
 
@@ -109,16 +109,16 @@ fn slab(both: &Both, height: f32, degrees: f32, azimuth: f32) -> [f64; 3] {
     let (angle, azimuth) = (degrees.to_radians(), azimuth.to_radians());
     let across = Vec3::new(azimuth.cos(), 0.0, azimuth.sin());
     let w = across * angle.sin() - Vec3::Y * angle.cos();
-    let way = height / angle.cos();
+    let length = height / angle.cos();
     // About the middle of the square, half a centimetre from its border where the hairs lean out or
     // are missing.
     let starts: Vec<Vec3> = (0..20_000)
         .map(|k| {
             let [x, z] = [random(k, 1), random(k, 2)].map(|u| 2.4 * (u - 0.5));
-            Vec3::new(x, 0.5 * height, z) - 0.5 * way * w
+            Vec3::new(x, 0.5 * height, z) - 0.5 * length * w
         })
         .collect();
-    both.depths(w, &starts, way, |_| true)
+    both.depths(w, &starts, length, |_| true)
 }
 
 #[test]

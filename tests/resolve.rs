@@ -1,4 +1,4 @@
-//! `resolve` against its twin: the lists of small worlds, and lists made up to be hard.
+//! `resolve` against its CPU twin: the lists of small worlds, and synthetic lists with hard cases.
 
 use crate::common::gpu;
 use crate::common::marched::Marched;
@@ -114,7 +114,7 @@ fn words(lists: &[Vec<Node>], seed: u32) -> Vec<u32> {
 }
 
 /// Lists of 0, 1, 2, ... fragments with colours that halves hold, some at equal depths.
-fn made_up(count: usize, seed: u32) -> Vec<Vec<Node>> {
+fn synthetic(count: usize, seed: u32) -> Vec<Vec<Node>> {
     (0..count as u32)
         .map(|i| {
             (0..i)
@@ -133,7 +133,7 @@ fn made_up(count: usize, seed: u32) -> Vec<Vec<Node>> {
         .collect()
 }
 
-/// Samples of made-up lists.
+/// Samples of synthetic lists.
 fn resolved(m: &Marched, lists: &[Vec<Node>], seed: u32) -> Vec<Sample> {
     let gpu = m.fixture.prepared.gpu;
     gpu.queue.write_buffer(
@@ -155,7 +155,7 @@ fn empty(blend: Blend) -> Option<Marched> {
 fn long_lists_agree_with_the_twin() {
     for blend in [Blend::Virtual, Blend::Simplified] {
         let Some(m) = empty(blend) else { return };
-        let lists = made_up(128, 3);
+        let lists = synthetic(128, 3);
         let found = resolved(&m, &lists, 0);
         let mut worst = (0f32, 0);
         for (i, list) in lists.iter().enumerate() {
@@ -171,15 +171,15 @@ fn long_lists_agree_with_the_twin() {
 }
 
 #[test]
-fn order_of_arrival_does_not_show() {
+fn order_of_arrival_does_not_matter() {
     for blend in [Blend::Virtual, Blend::Simplified] {
         let Some(m) = empty(blend) else { return };
-        let lists = made_up(128, 5);
+        let lists = synthetic(128, 5);
         let first = resolved(&m, &lists, 0);
         for seed in 1..50 {
             assert!(resolved(&m, &lists, seed) == first, "{blend:?}: order {seed} makes another image");
         }
-        // Another depth does show.
+        // Another depth does matter.
         let mut moved = lists.clone();
         moved[100][7].z += 0.5;
         assert!(resolved(&m, &moved, 0) != first);

@@ -1,8 +1,8 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
 use crate::common::{self, Folder, cases};
-use pelage_core::scene::{Blend, Color, FurLayers, Scalar, Shape, preset};
-use pelage_core::{Error, Scene, SceneFault, scene};
+use pelage_core::scene::{self, Blend, Color, FurLayers, Scalar, Shape, preset};
+use pelage_core::{Error, Scene, SceneFault};
 use proptest::prelude::*;
 
 const MINIMAL: &str = "[mesh]\nshape = \"sphere\"\n";
@@ -154,7 +154,7 @@ fn ranges_are_checked() {
 }
 
 #[test]
-fn values_that_do_not_go_together_are_faults() {
+fn inconsistent_values_are_faults() {
     for (line, part) in [
         ("path = \"x.obj\"", "both mesh.path and mesh.shape"),
         ("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]", "eye and target are the same"),
@@ -182,7 +182,7 @@ fn syntax_errors_come_all_at_once() {
 }
 
 #[test]
-fn overrides_lie_over_the_file() {
+fn overrides_replace_values_of_the_file() {
     let scene = parse(
         &format!("{MINIMAL}[camera]\nfov = 20\n[[lights]]\ndirection = [0, 1, 0]\n"),
         &[
@@ -231,7 +231,7 @@ fn faults_of_overrides_name_the_flag() {
 }
 
 #[test]
-fn presets_lie_under_the_file() {
+fn the_file_replaces_values_of_presets() {
     let text = format!("preset = \"red_fox\"\n{MINIMAL}[guard]\nlength = 1.5\n");
     let scene = parse(&text, &["guard.diameter.1=70"]);
     let whole = parse(&format!("preset = \"red_fox\"\n{MINIMAL}"), &[]);
@@ -287,7 +287,7 @@ fn presets_differ() {
 }
 
 #[test]
-fn includes_lie_under_the_file() {
+fn the_file_replaces_values_of_includes() {
     let folder = Folder::new();
     folder.write(
         "base.toml",
@@ -367,9 +367,9 @@ fn the_schema_describes_everything() {
 proptest! {
     #![proptest_config(cases(300))]
 
-    /// Any file is read or fails with an error; none crashes the parser.
+    /// Every file is read or is an error; none crashes the parser.
     #[test]
-    fn damaged_files_are_refused(at in 0_usize..600, length in 0_usize..20, noise in "[ -~\\n\u{e9}]{0,12}") {
+    fn damaged_files_are_errors(at in 0_usize..600, length in 0_usize..20, noise in "[ -~\\n\u{e9}]{0,12}") {
         let mut text = std::fs::read_to_string(common::root().join("scenes/default.toml")).unwrap();
         let start = (0..=at.min(text.len())).rev().find(|i| text.is_char_boundary(*i)).unwrap_or(0);
         let end = (start..=(start + length).min(text.len())).rev().find(|i| text.is_char_boundary(*i));

@@ -1,5 +1,5 @@
-//! `shared/shell`: subelements, the inverse of the extrusion, hops; the twin on its own and the GPU
-//! against it.
+//! `shared/shell`: subelements, the inverse of the extrusion, hops; the CPU twin on its own, and the
+//! GPU against it.
 
 use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, world_on};
@@ -206,7 +206,8 @@ fn lost(step: f32, edge: impl Fn(&Shell, &Place, Vec3) -> usize) -> usize {
     lost
 }
 
-/// The paper's words taken literally: the edge whose line is closest, whatever the side.
+/// The paper taken literally: the edge whose line is closest, on whichever side.
+// [Andersen2016] sec. 3.2
 fn closest_edge(_: &Shell, place: &Place, x: Vec3) -> usize {
     let corner = [0, 1, 2].map(|k| place.point(place.t, Vec3::AXES[k]));
     let distance = |k: usize| {
@@ -303,7 +304,7 @@ fn the_gpu_finds_the_same_places() {
             continue;
         }
         if answer.prism != place.prism || answer.found != found as u32 {
-            elsewhere += 1; // Rounding may send a point near an edge another way.
+            elsewhere += 1; // Rounding may move a point near an edge to the other side.
             continue;
         }
         gpu::close(answer.t, place.t, 1e-4, format!("t {i}"));

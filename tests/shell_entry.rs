@@ -1,4 +1,4 @@
-//! `shell_entry` against its twin, and against plain ray casting.
+//! `shell_entry` against its CPU twin, and against plain ray casting.
 
 use crate::common::gpu::{self, Fixture};
 use glam::Vec4;
@@ -40,7 +40,7 @@ fn rays_enter_where_the_twin_says() {
             total += wanted.len();
             assert!(found.iter().all(|n| n.source >> 30 == KIND_ENTRY && n.color == Vec4::ZERO));
             let near = |z: f32| 1e-4 * (1.0 + z);
-            // Entries that no rounding can have made or lost.
+            // Entries that rounding can neither create nor remove.
             let mut sure = true;
             for entry in wanted {
                 let there = found
@@ -51,7 +51,7 @@ fn rays_enter_where_the_twin_says() {
                 sure &= !doubtful;
             }
             odd += usize::from(found.len() != wanted.len());
-            // And none that the twin does not know.
+            // And none that the twin does not have.
             for node in found {
                 let prism = node.source & 0x3fff_ffff;
                 let known = wanted.iter().any(|e| e.prism == prism && (node.z - e.z).abs() < near(e.z));

@@ -1,4 +1,4 @@
-//! `shell_lattice` against its twin, and the geometry of the optical-depth lattice.
+//! `shell_lattice` against its CPU twin, and the geometry of the optical-depth lattice.
 
 use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use bytemuck::Zeroable;
@@ -6,8 +6,8 @@ use glam::Vec3;
 use pelage_fur::layout::{Column, FurParameters, Prism, ShellVertex};
 use pelage_fur::random::random;
 use pelage_fur::shell::{Place, Shell};
-use pelage_render::twin::lattice::{cell, column_index, column_lambda, node_index};
-use pelage_render::twin::{lattice, shell_lattice};
+use pelage_render::twin::lattice::{self, cell, column_index, column_lambda, node_index};
+use pelage_render::twin::shell_lattice;
 use std::collections::HashMap;
 
 /// A grid whose quads are `size` cm wide: small ones have one lattice cell a triangle.
@@ -115,7 +115,7 @@ fn columns_are_numbered_without_gaps_and_shared() {
                 let column = Column { prism, grid: i | (j << 16), ..Column::zeroed() };
                 let p = place.point(0.0, column_lambda(&fur, &column));
                 let slot = &mut stands[column_index(&fur, &place, i, j) as usize];
-                // All triangles that share a column say the same of where it stands.
+                // All triangles that share a column agree on its position.
                 assert!(
                     slot.is_none_or(|q| (p - q).length() < 1e-5),
                     "n {n}, prism {prism} {i} {j}: {p} {slot:?}"

@@ -1,11 +1,11 @@
-//! `shell_prisms` against its twin: heights of the shell, with maps and folds.
+//! `shell_prisms` against its CPU twin: heights of the shell, with maps and folds.
 
 use crate::common::gpu::{self, Fixture, close, image, jittered_grid, scaled, skin, vertex_uv, world_on};
 use glam::Vec3;
 use pelage_core::World;
 use pelage_fur::shell_prisms::{heights, part_of_area};
 
-/// Higher than the hollow that it is asked for in.
+/// A height larger than the depth of the hollow.
 const HOLLOW: &str = "4.0";
 
 /// A bumpy grid with undercoat as high as `height` says (TOML).

@@ -1,4 +1,4 @@
-//! `shellfin_raster` against its twin: the picture of skin, fins and shells.
+//! `shellfin_raster` against its CPU twin: the picture of skin, fins and shells.
 
 use crate::common::gpu;
 use crate::common::shellfins::{Fur, even, fur_world, textures};
@@ -142,7 +142,7 @@ fn patterns_are_those_of_the_twin_where_they_are_magnified() {
         [0.7 * coverage * share, 0.4 * coverage * share, 0.2 * wave(v) * coverage * share, coverage * share]
     });
     let Some(samples) = both("", maps, |_| ()) else { return };
-    // Half a level of minification is left at grazing angles.
+    // Half a level of minification remains at grazing angles.
     let (share, _) = agreement(&samples, 0.02);
     println!("{share:.4} agree");
     assert!(share > 0.97, "{share}");
@@ -175,7 +175,7 @@ fn hairs_shade_the_gaps_away_from_the_light() {
         return;
     };
     println!("{none:?} {half:?} {full:?}");
-    // The skin in the gaps gets darker, and nothing gets thinner.
+    // The skin in the gaps gets darker, and the coverage does not change.
     assert!(half.0 < 0.99 * none.0 && full.0 < half.0 && full.0 < 0.98 * none.0);
     assert!(half.1 >= none.1 && full.1 >= half.1);
 }

@@ -1,73 +1,13 @@
-//! Habits that a compiler does not check: names, tags, sizes, leftovers. Each rule is a function
-//! from texts to complaints, so that it is also tried on texts that break it.
+//! Conventions that a compiler does not check: files, modules, crates, sizes, leftovers. Each rule is
+//! a function from texts to complaints, so that it is also tested on texts that break it.
 
 use crate::common::root;
+use crate::common::sources::{Source, assert_none, sources};
 use pelage_render::shaders;
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// A file of the repository: its path from the root, with `/`, and its text.
-struct Source {
-    path: String,
-    text: String,
-}
-
-impl Source {
-    fn new(path: &str, text: &str) -> Self {
-        Self { path: path.into(), text: text.into() }
-    }
-
-    /// Part of the library or the command, not of its tests.
-    fn is_library(&self) -> bool {
-        self.is("src/", ".rs") || self.is("crates/", ".rs")
-    }
-
-    fn is(&self, folder: &str, extension: &str) -> bool {
-        self.path.starts_with(folder) && self.path.ends_with(extension)
-    }
-
-    /// `line number, comment` for each line that has one.
-    fn comments(&self) -> impl Iterator<Item = (usize, &str)> {
-        let mark = if self.path.ends_with(".rs") || self.path.ends_with(".wgsl") { "//" } else { "#" };
-        self.text.lines().enumerate().filter_map(move |(i, line)| Some((i + 1, line.split_once(mark)?.1)))
-    }
-}
-
-/// All texts that people write, sorted by path.
-fn sources() -> Vec<Source> {
-    fn walk(folder: &Path, found: &mut Vec<Source>) {
-        for entry in std::fs::read_dir(folder).into_iter().flatten().flatten() {
-            let path = entry.path();
-            if path.is_dir() {
-                // What figures came out as was written by no one.
-                if !["result", "golden"].iter().any(|made| path.ends_with(made)) {
-                    walk(&path, found);
-                }
-            } else if path.ends_with("paper_figures/index.html") {
-                // So was the report.
-            } else if let Ok(text) = std::fs::read_to_string(&path) {
-                let path = path.strip_prefix(root()).unwrap().to_string_lossy().replace('\\', "/");
-                found.push(Source { path, text });
-            }
-        }
-    }
-    let mut found = Vec::new();
-    for folder in
-        ["src", "crates", "shaders", "tests", "scripts", "scenes", "presets", "paper_figures", ".ci", "docs"]
-    {
-        walk(&root().join(folder), &mut found);
-    }
-    for file in
-        ["README.md", "ARCHITECTURE.md", "CONTRIBUTING.md", "CHANGELOG.md", "assets/README.md", "Cargo.toml"]
-    {
-        let text = std::fs::read_to_string(root().join(file)).unwrap_or_else(|e| panic!("{file}: {e}"));
-        found.push(Source { path: file.into(), text });
-    }
-    found.sort_by(|a, b| a.path.cmp(&b.path));
-    found
-}
-
-/// A rule whose folder has moved finds no file, and so nothing wrong.
+/// A rule whose folder was moved would find no file, and so no fault.
 #[test]
 fn rules_find_their_files() {
     let sources = sources();
@@ -85,13 +25,9 @@ fn rules_find_their_files() {
     }
 }
 
-fn assert_none(complaints: Vec<String>) {
-    assert!(complaints.is_empty(), "{} complaints:\n{}", complaints.len(), complaints.join("\n"));
-}
-
 // One stem names the shader, its record in Rust, its CPU twin and its test.
 
-/// What a stem lacks or has elsewhere, and why.
+/// Files of a stem in other places, with the reason.
 const EXCEPTIONS: [(&str, &str, &str); 1] =
     [("film", "tests/film_pass.rs", "tests/film.rs is the test of the module film, which writes images")];
 
@@ -101,12 +37,12 @@ fn stem_complaints(paths: &BTreeSet<&str>, exceptions: &[(&str, &str, &str)]) ->
         if stem.contains('/') {
             continue;
         }
-        // The fur's own mathematics stands in pelage-fur, whoever else needs it.
-        let rooms = ["crates/pelage-render/src", "crates/pelage-shells/src"];
-        let pass = rooms.map(|room| format!("{room}/passes/{stem}.rs"));
-        let twin: Vec<String> = rooms
+        // CPU twins that other crates also need are in pelage-fur.
+        let crates = ["crates/pelage-render/src", "crates/pelage-shells/src"];
+        let pass = crates.map(|folder| format!("{folder}/passes/{stem}.rs"));
+        let twin: Vec<String> = crates
             .iter()
-            .map(|room| format!("{room}/twin/{stem}.rs"))
+            .map(|folder| format!("{folder}/twin/{stem}.rs"))
             .chain([format!("crates/pelage-fur/src/{stem}.rs")])
             .collect();
         let test = exceptions.iter().find(|(s, _, _)| *s == stem);
@@ -127,13 +63,13 @@ fn stem_complaints(paths: &BTreeSet<&str>, exceptions: &[(&str, &str, &str)]) ->
 }
 
 #[test]
-fn a_stem_names_shader_pass_twin_and_test() {
+fn every_stem_has_shader_pass_twin_and_test() {
     let sources = sources();
     assert_none(stem_complaints(&sources.iter().map(|s| s.path.as_str()).collect(), &EXCEPTIONS));
 }
 
 #[test]
-fn missing_files_of_a_stem_are_found() {
+fn missing_files_of_a_stem_are_detected() {
     let paths = BTreeSet::from([
         "shaders/a.wgsl",
         "crates/pelage-render/src/passes/a.rs",
@@ -166,7 +102,7 @@ fn every_shader_is_compiled_into_the_program() {
     assert!(unused.is_empty(), "shared shaders that nothing imports: {unused:?}");
 }
 
-/// Functions are shared, bindings are not, but for the frame that everything sees.
+/// Shared shaders hold functions; the only binding in them is the frame's.
 #[test]
 fn shared_shaders_declare_no_bindings_and_no_entry_points() {
     let mut complaints = Vec::new();
@@ -180,90 +116,10 @@ fn shared_shaders_declare_no_bindings_and_no_entry_points() {
     assert_none(complaints);
 }
 
-// Citations.
-
-/// Keys in brackets of a comment: a capital, then letters, digits, hyphens; at least four of them.
-fn citations(comment: &str) -> Vec<&str> {
-    let is_key = |key: &&str| {
-        key.len() >= 4
-            && key.starts_with(|c: char| c.is_ascii_uppercase())
-            && key.chars().all(|c| c.is_ascii_alphanumeric() || c == '-')
-    };
-    comment.split('[').skip(1).filter_map(|rest| Some(rest.split_once(']')?.0)).filter(is_key).collect()
-}
-
-/// The keys that the last section of ARCHITECTURE.md explains: `- [Key] ...`.
-fn references(architecture: &str) -> BTreeSet<&str> {
-    let (_, section) = architecture.rsplit_once("\n## ").unwrap_or_default();
-    assert!(section.starts_with("References"), "the last section of ARCHITECTURE.md is called References");
-    section.lines().filter_map(|l| Some(l.strip_prefix("- [")?.split_once(']')?.0)).collect()
-}
-
-fn citation_complaints(sources: &[Source], keys: &BTreeSet<&str>) -> Vec<String> {
-    let mut complaints = Vec::new();
-    let mut used = BTreeSet::new();
-    for s in sources.iter().filter(|s| !s.path.ends_with(".md") && s.path != "tests/tidy.rs") {
-        for (line, comment) in s.comments() {
-            for key in citations(comment) {
-                used.insert(key);
-                if !keys.contains(key) {
-                    complaints.push(format!("{}:{line}: [{key}] is not in the References", s.path));
-                }
-            }
-        }
-    }
-    let unused = keys.iter().filter(|key| !used.contains(**key));
-    complaints.extend(unused.map(|key| format!("ARCHITECTURE.md: nothing cites [{key}]")));
-    complaints
-}
-
-#[test]
-fn citations_are_known() {
-    let sources = sources();
-    let architecture = sources.iter().find(|s| s.path == "ARCHITECTURE.md").unwrap();
-    assert_none(citation_complaints(&sources, &references(&architecture.text)));
-}
-
-#[test]
-fn unknown_and_unused_citations_are_found() {
-    let keys = references("# A\n\n## References\n\n- [Known2000] A book.\n");
-    let complaints = |text| citation_complaints(&[Source::new("src/a.rs", text)], &keys);
-    assert!(complaints("// [Known2000] eq. 3\nlet a = b[C2];").is_empty());
-    assert_eq!(complaints("// [Known2000], [Unknown1999]").len(), 1);
-    assert_eq!(complaints("// [`Error`] and [f32] and [Kd]").len(), 1, "only the unused one");
-}
-
-/// A deviation says what from, or why.
-fn deviation_complaints(sources: &[Source]) -> Vec<String> {
-    let mut complaints = Vec::new();
-    for s in sources.iter().filter(|s| !s.path.ends_with(".md") && s.path != "tests/tidy.rs") {
-        let lines: Vec<&str> = s.text.lines().collect();
-        for (i, line) in lines.iter().enumerate() {
-            if let Some((_, reason)) = line.split_once("DEVIATION") {
-                let next = lines.get(i + 1).map(|l| l.trim_start()).filter(|l| l.starts_with("//"));
-                let reason = format!("{reason}{}", next.unwrap_or_default());
-                if !reason.starts_with(": ") || reason.split_whitespace().count() < 6 {
-                    complaints.push(format!("{}:{}: expected `DEVIATION: ` and a reason", s.path, i + 1));
-                }
-            }
-        }
-    }
-    complaints
-}
-
-#[test]
-fn deviations_have_reasons() {
-    assert_none(deviation_complaints(&sources()));
-    let complaints = |text| deviation_complaints(&[Source::new("src/a.rs", text)]).len();
-    assert_eq!(complaints("// DEVIATION: the paper draws quads,\n// which have seams."), 0);
-    assert_eq!(complaints("// DEVIATION: faster"), 1);
-    assert_eq!(complaints("// A DEVIATION because of all kinds of reasons that count"), 1);
-}
-
 // Leftovers.
 
 fn leftover_complaints(sources: &[Source]) -> Vec<String> {
-    // Written in parts, so that this file does not hold them.
+    // Written in parts, so that this file does not contain them.
     let words: Vec<String> = [
         ("FIX", "ME"),
         ("XX", "X"),
@@ -292,16 +148,16 @@ fn leftover_complaints(sources: &[Source]) -> Vec<String> {
     for s in sources {
         for (i, line) in s.text.lines().enumerate() {
             let mut find = |list: &[String], what: &str| {
-                // mktemp's template is no mark.
+                // Not the template of mktemp.
                 let line = line.replace("XXXXXX", "");
                 if let Some(word) = list.iter().find(|w| line.contains(w.as_str())) {
                     complaints.push(format!("{}:{}: {what} {word}", s.path, i + 1));
                 }
             };
             find(&words, "a leftover:");
-            // The integration run alone knows where its assets lie.
+            // Only the integration run has absolute paths of its assets.
             if s.path != ".ci/run" {
-                find(&places, "a place on one machine:");
+                find(&places, "a path of one machine:");
             }
         }
     }
@@ -309,7 +165,7 @@ fn leftover_complaints(sources: &[Source]) -> Vec<String> {
 }
 
 #[test]
-fn nothing_is_left_over() {
+fn there_are_no_leftovers() {
     assert_none(leftover_complaints(&sources()));
     let complaints = |text: String| leftover_complaints(&[Source::new("a.rs", &text)]).len();
     assert_eq!(complaints("todo: nothing, and home/sweet".into()), 0);
@@ -328,7 +184,7 @@ fn panic_complaints(sources: &[Source]) -> Vec<String> {
                     complaints.push(format!("{}:{}: {call}", s.path, i + 1));
                 }
             }
-            // Files appear whole or not at all: `files` writes them.
+            // Files appear whole or not at all: the module `files` writes them.
             for call in ["fs::write(", "File::create(", "fs::File::create_new("] {
                 if line.contains(call) && !s.path.ends_with("/files.rs") {
                     complaints.push(format!("{}:{}: {call}, expected a function of files", s.path, i + 1));
@@ -353,14 +209,13 @@ fn the_library_neither_panics_nor_writes_torn_files() {
 #[test]
 fn files_are_short() {
     const MOST: usize = 600;
-    // Prose and meshes are as long as they are.
+    // Prose and meshes may be longer.
     let long = sources().into_iter().filter(|s| ![".md", ".obj"].iter().any(|end| s.path.ends_with(end)));
     let long = long.map(|s| (s.text.lines().count(), s.path)).filter(|(lines, _)| *lines > MOST);
     assert_none(long.map(|(lines, path)| format!("{path}: {lines} lines, more than {MOST}")).collect());
 }
 
-/// A Rust file that no `mod` declares is not compiled, and nobody notices: a test in it never
-/// fails.
+/// A Rust file that no `mod` declares is not compiled, so that a test in it never fails.
 fn module_complaints(sources: &[Source]) -> Vec<String> {
     let mut complaints = Vec::new();
     for s in sources.iter().filter(|s| s.is_library() || s.is("tests/", ".rs")) {
@@ -393,7 +248,7 @@ fn every_module_has_a_parent() {
 }
 
 #[test]
-fn undeclared_modules_are_found() {
+fn undeclared_modules_are_detected() {
     let complaints = |path, parent, text| {
         module_complaints(&[Source::new(path, ""), Source::new(parent, text)])
             .iter()
@@ -441,8 +296,8 @@ fn dependencies(package: &str) -> BTreeSet<String> {
     text.lines().filter_map(|line| Some(line.split_whitespace().next()?.to_owned())).collect()
 }
 
-/// Those who read scenes, grow fur or trace paths on the CPU get no GPU, no command line, no
-/// solver and no font. That the crates form no cycle, cargo itself sees to.
+/// The crates for scenes, fur and path tracing need no GPU, command line, solver or font. Cargo
+/// itself rejects cycles between crates.
 #[test]
 fn crates_for_the_cpu_depend_on_no_gpu() {
     for package in ["pelage-core", "pelage-fur", "pelage-pathtrace"] {
@@ -460,15 +315,15 @@ fn crates_for_the_cpu_depend_on_no_gpu() {
     assert!(!render.contains("pelage-shells") && !render.contains("clap"), "{render:?}");
 }
 
-/// Links of the documents to files of the repository.
+/// Links in documents point to files of the repository.
 #[test]
-fn links_lead_somewhere() {
+fn links_have_targets() {
     let mut complaints = Vec::new();
     for s in sources().iter().filter(|s| s.path.ends_with(".md")) {
         let folder = Path::new(&s.path).parent().unwrap();
         for target in s.text.split("](").skip(1).filter_map(|rest| rest.split([')', '#', ' ']).next()) {
             if !target.is_empty() && !target.contains("://") && !root().join(folder).join(target).exists() {
-                complaints.push(format!("{}: {target} is not there", s.path));
+                complaints.push(format!("{}: {target} does not exist", s.path));
             }
         }
     }

@@ -1,14 +1,13 @@
-//! The march through a slab of even density against Beer and Lambert.
+//! The march through a slab of uniform density against Beer and Lambert.
 
 use crate::common::worlds::{plane, render, square};
 use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_core::scene::{DirectionalLight, FurLayers};
-use pelage_fur::camera;
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::Undercoat;
-use pelage_fur::view;
+use pelage_fur::{camera, view};
 
 /// Undercoat of the slab: hairs/cm2, diameter in um, height in cm.
 const DENSITY: f32 = 2000.0;
@@ -37,8 +36,8 @@ fn error(degrees: f32, factor: f64) -> (f64, f64, [f64; 2]) {
     let world = square(|s| {
         s.render.fur = FurLayers::Implicit;
         s.lights = vec![DirectionalLight { direction: [0.0, 1.0, 0.0], irradiance: [irradiance; 3] }];
-        // All that is scattered goes on: the skin is lit as if it were bare, and shows the
-        // transmittance to the eye.
+        // All scattered light continues forwards: the skin is lit as if it were bare, so that it shows
+        // the transmittance to the camera.
         s.undercoat.forward_scattering = 1.0;
         s.undercoat.color_root = [1.0; 3].into();
         s.undercoat.color_tip = [1.0; 3].into();

@@ -1,4 +1,4 @@
-//! `undercoat_density` against its twin: what the stored volume holds.
+//! `undercoat_density` against its CPU twin: the stored volume.
 
 use crate::common::gpu::{self, Fixture, jittered_grid, scaled, world_on};
 use pelage_fur::random as hash;

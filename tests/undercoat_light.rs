@@ -1,4 +1,4 @@
-//! `undercoat_light`, and the look-up of light in its lattice, against separate marches.
+//! `undercoat_light`, and the lookup of light in its lattice, against separate marches.
 
 use crate::common::gpu;
 use crate::common::lit::Lit;
@@ -28,8 +28,8 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
             let x = place.point(place.t, place.lambda);
             for j in 0..fur.lights {
                 let w = Vec3::from(lit.fixture.packed.lights[j as usize].direction);
-                // Where the skin blocks the light the look-up is more exact; the ball is convex,
-                // and its shell is never entered twice.
+                // Where the skin blocks the light, the lookup is more exact; the ball is convex, so
+                // that its shell is never entered twice.
                 let wanted = medium.optical_depth(&place, x, w, fur.light_step / 6.0);
                 let d = f64::from((-light.tau(column * (fur.levels + 1) + level, j)).exp() - (-wanted).exp());
                 sum += d;
@@ -55,8 +55,8 @@ fn nodes_agree_with_marches_through_the_medium() {
     assert!(wrong - mean > 0.005, "twice the guard hairs make no difference: {wrong}");
 }
 
-/// The image of the undercoat with a nested march, from each step of the eye's ray to each light,
-/// against the look-up.
+/// The image of the undercoat with a nested march, from each step of the view ray to each light,
+/// against the lookup.
 #[test]
 fn look_up_stands_for_the_nested_march() {
     let Some(gpu) = gpu::open() else { return };

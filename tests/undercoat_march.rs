@@ -1,4 +1,4 @@
-//! `undercoat_march` against its twin: the fragments of every sample.
+//! `undercoat_march` against its CPU twin: the fragments of every sample.
 
 use crate::common::gpu;
 use crate::common::marched::Marched;
@@ -9,7 +9,7 @@ use pelage_fur::view::sample_ray;
 use pelage_render::twin::resolve::Kind;
 use pelage_render::twin::undercoat_march::{first_phase, fragments, steps};
 
-/// A torus: rays that enter twice, graze, and see it from within its hole.
+/// A torus: rays enter its shell twice, graze it, or start within its hole.
 fn torus(edit: impl FnOnce(&mut Scene)) -> World {
     world(|s| {
         s.mesh.shape = Some(Shape::Torus);
@@ -116,7 +116,7 @@ fn another_seed_does_not_agree() {
     assert!(differing.count() > 100, "the comparison does not notice another phase");
 }
 
-/// Rays are not lost, and what a ray goes through ends where it leaves the shell.
+/// No ray is lost, and the medium of a ray ends where it leaves the shell.
 #[test]
 fn steps_join_and_stay_in_the_shell() {
     let Some(gpu) = gpu::open() else { return };

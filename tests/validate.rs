@@ -8,8 +8,7 @@ use pelage_fur::fibre::Fibre;
 use pelage_pathtrace::geometry::Geometry;
 use pelage_studies::provenance::Provenance;
 use pelage_studies::report::Table;
-use pelage_studies::validate::furnace;
-use pelage_studies::validate::furnace::{albedo_integrated, albedo_sampled};
+use pelage_studies::validate::furnace::{self, albedo_integrated, albedo_sampled};
 use pelage_studies::validate::transmittance::{GOAL, Roots, Slab, through, worst};
 use pelage_studies::validate::{Exhibit, Finding, Goal, Level, Picture, Report, Section, html};
 
@@ -129,7 +128,7 @@ fn a_missed_goal_shows_in_the_page_and_in_the_verdict() {
     let good = report(1.05);
     assert!(good.verdict().is_ok());
     let page = html::page(&good);
-    for words in [
+    for part in [
         "All 1 goals are met",
         "volume &lt;march&gt;",
         "1 ± 0.1",
@@ -140,7 +139,7 @@ fn a_missed_goal_shows_in_the_page_and_in_the_verdict() {
         "a bunny",
         ">1.5<",
     ] {
-        assert!(page.contains(words), "{words} is not in\n{page}");
+        assert!(page.contains(part), "{part} is not in\n{page}");
     }
     for outside in ["<script", "http:", "https:", "//cdn"] {
         assert!(!page.contains(outside), "the page needs {outside}");

@@ -1,52 +1,52 @@
-//! Arguments that several subcommands share, and the forms of their values.
+//! Arguments that several subcommands share, and the parsers of their values.
 
-use super::choice::{choice, word};
+use super::choice::{choice, name};
 use clap::Args;
-use pelage_core::assets::Assets;
-use pelage_core::scene::{Blend, FurLayers, Override, Tonemap};
-use pelage_core::{Result, Scene};
+use pelage::assets::Assets;
+use pelage::scene::{Blend, FurLayers, Override, Tonemap};
+use pelage::{Result, Scene};
 use std::path::PathBuf;
 
-/// A scene file and what the command line sets over it.
+/// A scene file and its overrides.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// The scene file (TOML).
+    /// Scene file (TOML)
     #[arg(value_name = "SCENE")]
     pub scene: PathBuf,
-    /// Set a value over the scene file, e.g. -D camera.fov=30 or -D lights.0.irradiance=[1,1,1].
+    /// Override a value of the scene file, e.g. -D camera.fov=30 or -D lights.0.irradiance=[1,1,1]
     #[arg(short = 'D', value_name = "KEY.PATH=VALUE", value_parser = key_value)]
     define: Vec<String>,
-    /// Samples a pixel.
+    /// Samples per pixel
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     pub spp: Option<u32>,
-    /// Seed of everything random.
+    /// Seed of all random numbers of the fur
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     seed: Option<u32>,
-    /// Which layers are rendered.
+    /// Layers to render
     #[arg(long, value_parser = choice::<FurLayers>(), help_heading = "Scene overrides")]
     fur: Option<FurLayers>,
-    /// How undercoat and guard hairs are blended.
+    /// Blending of undercoat and guard hairs
     #[arg(long, value_parser = choice::<Blend>(), help_heading = "Scene overrides")]
     blend: Option<Blend>,
-    /// Virtual fragments a ray, for --blend virtual.
+    /// Virtual fragments per ray, for --blend virtual
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     virtual_fragments: Option<u32>,
-    /// Memory budget, e.g. 1GiB or 512MiB: of the GPU; for a reference main memory, 8GiB where not given.
+    /// Memory budget, e.g. 1GiB or 512MiB: GPU memory, or main memory for `reference` [default there: 8GiB]
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Scene overrides")]
     pub memory: Option<u64>,
-    /// Edge of a tile, samples.
+    /// Edge of a tile in samples
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     tile: Option<u32>,
-    /// Image size, pixels.
+    /// Image size in pixels
     #[arg(long, value_name = "WxH", value_parser = size, help_heading = "Scene overrides")]
     size: Option<[u32; 2]>,
-    /// Tone mapping of PNG output.
+    /// Tone mapping of PNG output
     #[arg(long, value_parser = choice::<Tonemap>(), help_heading = "Scene overrides")]
     tonemap: Option<Tonemap>,
-    /// Exposure, stops.
+    /// Exposure in stops
     #[arg(long, value_name = "STOPS", allow_negative_numbers = true, help_heading = "Scene overrides")]
     exposure: Option<f32>,
-    /// Make repairs of the mesh errors.
+    /// Treat mesh defects as errors instead of repairing them
     #[arg(long, help_heading = "Scene overrides")]
     strict: bool,
 }
@@ -57,7 +57,7 @@ impl SceneArgs {
         self.load_with(Vec::new())
     }
 
-    /// Loads the scene with all overrides, then those of a command's own flags.
+    /// Loads the scene with all overrides, then those of the subcommand's own flags.
     pub fn load_with(&self, own: Vec<Override>) -> Result<(Scene, Assets)> {
         let mut all = self.overrides()?;
         all.extend(own);
@@ -70,8 +70,8 @@ impl SceneArgs {
         let flags = [
             ("--spp", "film.spp", self.spp.map(|v| v.to_string())),
             ("--seed", "render.seed", self.seed.map(|v| v.to_string())),
-            ("--fur", "render.fur", self.fur.and_then(|v| word(&v))),
-            ("--blend", "render.blend", self.blend.and_then(|v| word(&v))),
+            ("--fur", "render.fur", self.fur.and_then(|v| name(&v))),
+            ("--blend", "render.blend", self.blend.and_then(|v| name(&v))),
             (
                 "--virtual-fragments",
                 "render.virtual_fragments",
@@ -81,17 +81,23 @@ impl SceneArgs {
             ("--tile", "render.tile", self.tile.map(|v| v.to_string())),
             ("--size", "film.width", self.size.map(|s| s[0].to_string())),
             ("--size", "film.height", self.size.map(|s| s[1].to_string())),
-            ("--tonemap", "film.tonemap", self.tonemap.and_then(|v| word(&v))),
+            ("--tonemap", "film.tonemap", self.tonemap.and_then(|v| name(&v))),
             ("--exposure", "film.exposure", self.exposure.map(|v| format!("{v:?}"))),
             ("--strict", "mesh.strict", self.strict.then(|| "true".to_owned())),
         ];
-        for (flag, path, value) in flags {
-            if let Some(value) = value {
-                all.push(Override { flag: format!("{flag} {value}"), path: path.to_owned(), value });
-            }
-        }
+        all.extend(overrides(flags));
         Ok(all)
     }
+}
+
+/// Overrides of flags that are given: the flag, the key in the scene, and the value.
+pub(super) fn overrides<const N: usize>(
+    flags: [(&str, &str, Option<String>); N],
+) -> impl Iterator<Item = Override> {
+    flags.into_iter().filter_map(|(flag, path, value)| {
+        let value = value?;
+        Some(Override { flag: format!("{flag} {value}"), path: path.to_owned(), value })
+    })
 }
 
 /// `key.path=value`, the argument of `-D`.
@@ -107,7 +113,7 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([side(w)?, side(h)?])
 }
 
-/// Bytes: a number with an optional unit B, kB, MB, GB (powers of 1000) or KiB, MiB, GiB (powers of 1024).
+/// A number of bytes with an optional unit: B, kB, MB, GB (powers of 1000), or KiB, MiB, GiB (powers of 1024).
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let expected = || format!("expected a size such as 1GiB, 512MiB or 2GB, found {text:?}");
     let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());
@@ -127,7 +133,7 @@ pub(super) fn bytes(text: &str) -> Result<u64, String> {
     if bytes.is_finite() && bytes < (1_u64 << 53) as f64 { Ok(bytes as u64) } else { Err(expected()) }
 }
 
-/// `x0,x1,y0,y1` in 0..1, as pbrt writes it.
+/// `x0,x1,y0,y1` in 0..1, as in pbrt.
 pub(super) fn crop(text: &str) -> Result<[f32; 4], String> {
     let expected =
         || format!("expected x0,x1,y0,y1 with 0 <= x0 < x1 <= 1 and 0 <= y0 < y1 <= 1, found {text:?}");

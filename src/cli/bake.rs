@@ -1,50 +1,46 @@
 //! `pelage bake`.
 
-use super::choice::{choice, word};
-use super::{
-    Global,
-    args::{self, SceneArgs},
-    output::{self, count, human_bytes},
-};
+use super::Global;
+use super::args::{self, SceneArgs};
+use super::choice::{choice, name};
+use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage_core::film::Metadata;
-use pelage_core::scene::{BakeSource, Override};
-use pelage_core::{Error, Result, World};
-use pelage_shells::bake::mips::Keep;
-use pelage_shells::bake::{Content, Format, ManifestFile, WriteOptions};
-use pelage_shells::{bake, lapped};
+use pelage::film::Metadata;
+use pelage::scene::{BakeSource, Override};
+use pelage::shells::{self, Content, Format, Keep, ManifestFile, WriteOptions};
+use pelage::{Error, Result, World};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct BakeArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Folder for the textures and their manifest; made where it does not exist.
+    /// Folder for the textures and their manifest; created if it does not exist
     #[arg(long = "outdir", short = 'o', value_name = "DIR", required = true)]
     outdir: PathBuf,
-    /// What is baked.
+    /// Source of the hair in the textures
     #[arg(long, value_parser = choice::<BakeSource>())]
     source: Option<BakeSource>,
-    /// Layers, 1 to 128.
+    /// Number of layers, 1 to 128
     #[arg(long, value_name = "N")]
     layers: Option<u32>,
-    /// Texels of a layer.
+    /// Texels of a layer
     #[arg(long, value_name = "WxH", value_parser = args::size)]
     resolution: Option<[u32; 2]>,
-    /// Edge of the torus that the texture covers, cm.
+    /// Edge of the square that the texture covers and repeats, cm
     #[arg(long, value_name = "CM")]
     patch: Option<f32>,
-    /// Formats: PNG and EXR layers, KTX2 arrays uncompressed (ktx2) and as BC3 and BC7 (bc).
+    /// File formats: layers as PNG and EXR, arrays as KTX2, uncompressed (ktx2) or in BC3 and BC7 (bc)
     #[arg(long, value_parser = choice::<Format>(), value_delimiter = ',', default_value = "png,exr,ktx2,bc", value_name = "LIST")]
     formats: Vec<Format>,
-    /// Mip levels of KTX2 files keep the share of texels at or above this coverage, for alpha-tested layers; not given: the
-    /// mean coverage, for blended ones.
+    /// For alpha-tested layers: mip levels of KTX2 files preserve the share of texels at or above this coverage. [default: they
+    /// preserve the mean coverage, for blended layers]
     #[arg(long, value_name = "COVERAGE", value_parser = share)]
     alpha_test: Option<f32>,
-    /// Write fur.gltf besides: the skin with hair, edges for fins and the scene's view, for real-time clients (web/shells shows it).
+    /// Also write fur.gltf for real-time viewers such as web/shells: the skin with its hair, the edges for fins, and the camera
     #[arg(long)]
     gltf: bool,
-    /// Print the manifest as JSON instead of the table.
+    /// Print the manifest as JSON instead of the table
     #[arg(long)]
     json: bool,
 }
@@ -56,20 +52,18 @@ fn share(text: &str) -> Result<f32, String> {
     }
 }
 
-/// Bakes textures and prints what they take.
+/// Bakes textures and prints their sizes.
 pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load_with(args.overrides())?;
     if args.gltf && !args.formats.contains(&Format::Ktx2) {
         return Err(Error::Usage(
-            "--gltf: the glTF names the uncompressed KTX2 arrays, add ktx2 to --formats".into(),
+            "--gltf: the glTF file refers to the uncompressed KTX2 arrays; add ktx2 to --formats".into(),
         ));
     }
-    bake::check_folder(&args.outdir)?;
+    shells::check_folder(&args.outdir)?;
     let world = World::load(scene, &assets)?;
-    if !global.quiet {
-        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    }
-    let textures = bake::bake(&world)?;
+    output::print_notes(&world.skin, global.quiet);
+    let textures = shells::bake(&world)?;
     let metadata = Metadata::of_program()
         .with_scene(&toml::to_string(&world.scene).unwrap_or_default())
         .with_seed(world.scene.render.seed);
@@ -78,16 +72,14 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
         keep: args.alpha_test.map_or(Keep::Mean, Keep::Share),
         metadata,
     };
-    let mut files = bake::write(&textures, &args.outdir, &options)?;
+    let mut files = shells::write(&textures, &args.outdir, &options)?;
     if args.gltf {
-        let lapped = lapped::lap(&world.skin, &world.scene)?;
-        files.extend(bake::gltf::write(&world, &lapped, &textures, &args.outdir)?);
+        let lapped = shells::lap(&world.skin, &world.scene)?;
+        files.extend(shells::gltf::write(&world, &lapped, &textures, &args.outdir)?);
     }
-    let manifest = bake::load_manifest(&args.outdir.join(bake::MANIFEST))?;
+    let manifest = shells::load_manifest(&args.outdir.join(shells::MANIFEST))?;
     if args.json {
-        let json = serde_json::to_value(&manifest)
-            .map_err(|e| Error::Encoding(format!("the manifest cannot be written as JSON: {e}")))?;
-        output::print_json(&json)
+        output::print_json(&output::to_json(&manifest, "manifest")?)
     } else if global.quiet {
         Ok(())
     } else {
@@ -96,9 +88,9 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
 }
 
 impl BakeArgs {
-    /// The flags as values of the scene.
+    /// Overrides of the flags.
     fn overrides(&self) -> Vec<Override> {
-        let source = self.source.and_then(|s| word(&s));
+        let source = self.source.and_then(|s| name(&s));
         let resolution = self.resolution.map(|[w, h]| format!("[{w}, {h}]"));
         let flags = [
             ("--source", "bake.source", source),
@@ -106,16 +98,11 @@ impl BakeArgs {
             ("--resolution", "bake.resolution", resolution),
             ("--patch", "bake.patch", self.patch.map(|cm| format!("{cm:?}"))),
         ];
-        flags
-            .into_iter()
-            .filter_map(|(flag, path, value)| {
-                value.map(|value| Override { flag: format!("{flag} {value}"), path: path.into(), value })
-            })
-            .collect()
+        args::overrides(flags).collect()
     }
 }
 
-/// What was written, and the memory table of Lengyel et al. 2001.
+/// What was written, and the table of texture memory, as in Lengyel et al. 2001.
 fn summary(args: &BakeArgs, file: &ManifestFile, files: usize) -> String {
     let m = &file.manifest;
     let bytes: u64 = file.files.iter().map(|f| f.bytes).sum();

@@ -1,25 +1,23 @@
-//! `pelage check`: the resolved scene, what it will be made of, and what that will take.
+//! `pelage check`: the resolved scene, with expected counts and memory.
 
-use super::{
-    Global,
-    args::SceneArgs,
-    output::{self, count, human_bytes},
-};
+use super::Global;
+use super::args::SceneArgs;
+use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage_core::scene::{FurLayers, Scalar, Storage};
-use pelage_core::{Error, Result, Scene, World};
+use pelage::scene::{FurLayers, Scalar, Storage};
+use pelage::{Error, Result, Scene, World};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
 pub(super) struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Print JSON.
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
 
-/// Expected counts. Maps count with their largest value.
+/// Expected counts, with the largest value of maps.
 #[derive(Debug, Serialize)]
 struct Counts {
     vertices: u64,
@@ -34,7 +32,7 @@ struct Counts {
     subelements: u64,
 }
 
-/// Expected bytes on the GPU beside the tiles, which take what the budget leaves.
+/// Expected GPU memory in bytes, without the tiles, which use the rest of the budget.
 #[derive(Debug, Serialize)]
 struct Bytes {
     skin: u64,
@@ -44,8 +42,8 @@ struct Bytes {
     budget: u64,
 }
 
-// Estimates of what the buffers take: positions, normals and colours of a vertex; indices, neighbours and prism
-// corners of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
+// Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners of a triangle; root and segment vertices
+// of a strand; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
 const ROOT: u64 = 48;
@@ -55,9 +53,7 @@ const SUBELEMENT: u64 = 4;
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let world = World::load(scene, &assets)?;
-    if !global.quiet {
-        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    }
+    output::print_notes(&world.skin, global.quiet);
     let counts = counts(&world);
     let bytes = bytes(&world, &counts);
     if args.json {
@@ -91,7 +87,7 @@ fn expected_strands(density: &Scalar, area: f64) -> u64 {
     (area * f64::from(density.max().max(0.0))).round() as u64
 }
 
-/// Layers times 4^d, d from the longest edge where the scene gives none.
+/// Layers times 4^d, with d from the longest edge if the scene does not set it.
 fn subelements(world: &World) -> u64 {
     let undercoat = &world.scene.undercoat;
     let layers = u64::from(undercoat.layers);
@@ -122,24 +118,23 @@ fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
     let toml = toml::to_string(scene)
         .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
     let mut text = toml;
-    text += "\n# What it is made of\n";
+    text += "\n# Expected counts\n";
     text += &format!("# triangles    {} ({} vertices)\n", count(c.triangles), count(c.vertices));
     text += &format!("# area         {:.1} cm²\n", c.area);
     text += &format!("# extent       {:.2} x {:.2} x {:.2} cm\n", c.extent[0], c.extent[1], c.extent[2]);
-    text +=
-        &format!("# uv           {}\n", if c.has_uv { "yes" } else { "no: maps are looked up triplanar" });
+    text += &format!("# uv           {}\n", if c.has_uv { "yes" } else { "no: maps are sampled triplanar" });
     text += &format!("# lights       {}\n", count(c.lights));
     text += &format!("# strands      {} expected\n", count(c.strands));
     text += &format!("# subelements  {}\n", count(c.subelements));
-    text += "\n# GPU memory, estimated\n";
+    text += "\n# Estimated GPU memory\n";
     let rows = [("skin", b.skin), ("strands", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
     for (name, bytes) in rows {
         text += &format!("# {name:<12} {}\n", human_bytes(bytes));
     }
     let fixed = b.skin + b.strands + b.undercoat + b.maps;
-    text += &format!("# together     {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
+    text += &format!("# total        {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
     if fixed > b.budget {
-        text += "# more than the budget: strands are made in batches, the undercoat is evaluated while marching\n";
+        text += "# over the budget: strands are generated in batches, undercoat densities are evaluated while marching\n";
     }
     Ok(text)
 }

@@ -1,24 +1,24 @@
-//! Command-line values of the library's enumerations. Words and help come from the JSON schema of each, so that the library
-//! needs no clap.
+//! Command-line values of the library's enumerations. Their names and help come from the JSON schema of each, so that the library does not
+//! depend on clap.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use schemars::JsonSchema;
 use serde::{Serialize, de::DeserializeOwned};
 use serde_json::Value;
 
-/// Parses the words of `T` as scene files spell them.
+/// A parser of the values of `T`, with the names that scene files use.
 pub(super) fn choice<T>() -> impl TypedValueParser<Value = T>
 where
     T: DeserializeOwned + JsonSchema + Clone + Send + Sync + 'static,
 {
-    PossibleValuesParser::new(words::<T>()).try_map(|word| serde_json::from_value::<T>(Value::String(word)))
+    PossibleValuesParser::new(values::<T>()).try_map(|name| serde_json::from_value::<T>(Value::String(name)))
 }
 
-/// The words of `T` with their descriptions.
-fn words<T: JsonSchema>() -> Vec<PossibleValue> {
+/// The names of the values of `T`, with their descriptions.
+fn values<T: JsonSchema>() -> Vec<PossibleValue> {
     let schema = schemars::schema_for!(T);
     let text = |value: &Value, key: &str| value.get(key).and_then(Value::as_str).map(str::to_owned);
-    // Variants with a description stand one by one, all others in a list.
+    // The schema has an entry for each variant with a description, and a list of all others.
     let variants = schema.get("oneOf").and_then(Value::as_array).cloned();
     variants
         .unwrap_or_else(|| vec![schema.to_value()])
@@ -27,10 +27,10 @@ fn words<T: JsonSchema>() -> Vec<PossibleValue> {
             Some(list) => {
                 list.iter().filter_map(Value::as_str).map(|w| PossibleValue::new(w.to_owned())).collect()
             }
-            None => Vec::from_iter(text(variant, "const").map(|word| {
-                let value = PossibleValue::new(word);
+            None => Vec::from_iter(text(variant, "const").map(|name| {
+                let value = PossibleValue::new(name);
                 match text(variant, "description") {
-                    // Of longer descriptions the first paragraph, as one line and without its full stop.
+                    // The first paragraph as one line, without its full stop.
                     Some(help) => {
                         let line = help.split("\n\n").next().unwrap_or_default().replace('\n', " ");
                         value.help(line.trim_end_matches('.').to_owned())
@@ -42,7 +42,7 @@ fn words<T: JsonSchema>() -> Vec<PossibleValue> {
         .collect()
 }
 
-/// The word of a value.
-pub(super) fn word<T: Serialize>(value: &T) -> Option<String> {
+/// The name of a value.
+pub(super) fn name<T: Serialize>(value: &T) -> Option<String> {
     Some(serde_json::to_value(value).ok()?.as_str()?.to_owned())
 }

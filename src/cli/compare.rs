@@ -2,34 +2,33 @@
 
 use super::{args, output};
 use clap::Args;
-use pelage_core::film::{Metadata, io};
-use pelage_core::scene::{FilmSpec, Tonemap};
-use pelage_core::{Error, Result};
-use pelage_studies::compare;
-use pelage_studies::compare::{ErrorImage, Options, Region, Thresholds};
+use pelage::compare::{self, ErrorImage, Options, Region, Thresholds};
+use pelage::film::{Metadata, io};
+use pelage::scene::{FilmSpec, Tonemap};
+use pelage::{Error, Result};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArgs {
-    /// The image to judge (EXR, PNG or HDR).
+    /// Image (EXR, PNG or HDR)
     #[arg(value_name = "A")]
     a: PathBuf,
-    /// The reference.
+    /// Reference image (EXR, PNG or HDR)
     #[arg(value_name = "B")]
     b: PathBuf,
-    /// Write the error image, .png or .exr.
+    /// Write an error image, .png or .exr
     #[arg(long = "outfile", short = 'o', value_name = "FILE")]
     outfile: Option<PathBuf>,
-    /// What the error image shows: flip, hdr-flip, difference, relative, the latter two also with *FACTOR.
+    /// Kind of the error image: flip, hdr-flip, difference or relative; the latter two also with *FACTOR
     #[arg(long, value_name = "KIND", default_value = "flip", value_parser = error_kind)]
     error: ErrorImage,
-    /// Stops by which both images are exposed.
+    /// Exposure of both images in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = args::stops)]
     exposure: f64,
-    /// Pixels within this distance of the reference's outline are the silhouette.
+    /// Largest distance of the silhouette's pixels from the reference's outline
     #[arg(long, value_name = "PIXELS", default_value_t = 8.0, value_parser = args::threshold)]
     band: f64,
-    /// Print JSON.
+    /// Print JSON
     #[arg(long)]
     json: bool,
     #[command(flatten)]
@@ -37,42 +36,42 @@ pub(super) struct CompareArgs {
 }
 
 #[derive(Debug, Args)]
-#[command(next_help_heading = "Thresholds: exit with 1 where one is passed")]
+#[command(next_help_heading = "Thresholds (exit with 1 if one is exceeded)")]
 struct Limits {
-    /// Which pixels the thresholds are for: all, silhouette or inside.
+    /// Region that the thresholds apply to: all, silhouette or inside
     #[arg(long, value_name = "REGION", default_value = "all", value_parser = region)]
     region: Region,
-    /// Largest RMSE.
+    /// Largest RMSE
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_rmse: Option<f64>,
-    /// Largest relative MSE.
+    /// Largest relative MSE
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_relative_mse: Option<f64>,
-    /// Smallest PSNR, dB.
+    /// Smallest PSNR in dB
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_psnr: Option<f64>,
-    /// Smallest SSIM.
+    /// Smallest SSIM
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_ssim: Option<f64>,
-    /// Largest mean FLIP.
+    /// Largest mean FLIP
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_flip: Option<f64>,
-    /// Largest mean HDR-FLIP.
+    /// Largest mean HDR-FLIP
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_hdr_flip: Option<f64>,
-    /// Largest distance of the ratio of mean luminances from 1.
+    /// Largest distance from 1 of the ratio of mean luminances
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_luminance_ratio: Option<f64>,
-    /// Largest distance of a ratio of mean colours from 1.
+    /// Largest distance from 1 of the ratio of means of a colour channel
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_color_ratio: Option<f64>,
-    /// Largest distance from 1 of the ratio of detail in an octave.
+    /// Largest distance from 1 of the ratio of detail in an octave
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_detail_ratio: Option<f64>,
-    /// Largest mean difference of alpha.
+    /// Largest mean difference of alpha
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_alpha_difference: Option<f64>,
-    /// Largest difference of a channel.
+    /// Largest difference of a colour channel
     #[arg(long, value_name = "X", value_parser = args::threshold)]
     threshold_max_abs: Option<f64>,
 }
@@ -98,7 +97,7 @@ impl Limits {
 /// Prints the metrics.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where a threshold is given and passed.
+/// [`Error::GoalMissed`] if a threshold is exceeded.
 pub(super) fn run(args: &CompareArgs) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (image, reference) = (io::read(&args.a)?, io::read(&args.b)?);
@@ -111,15 +110,15 @@ pub(super) fn run(args: &CompareArgs) -> Result<()> {
         io::write(&picture, path, &meta, &spec)?;
     }
     if args.json {
-        let json = serde_json::to_value(&result)
-            .map_err(|e| Error::Encoding(format!("the comparison cannot be written as JSON: {e}")))?;
-        output::print_json(&json)?;
+        output::print_json(&output::to_json(&result, "comparison")?)?;
     } else {
         output::print(&format!("{result}\n"))?;
     }
     match result.exceeds_in(args.limits.region, &args.limits.thresholds()) {
         None => Ok(()),
-        Some(why) => Err(Error::GoalMissed(format!("{} and {}: {why}", args.a.display(), args.b.display()))),
+        Some(lines) => {
+            Err(Error::GoalMissed(format!("{} and {}: {lines}", args.a.display(), args.b.display())))
+        }
     }
 }
 
@@ -138,7 +137,7 @@ fn error_kind(text: &str) -> Result<ErrorImage, String> {
         ("hdr-flip", None) => Ok(ErrorImage::HdrFlip),
         ("difference", times) => Ok(ErrorImage::Difference(factor(times)?)),
         ("relative", times) => Ok(ErrorImage::Relative(factor(times)?)),
-        _ => Err("expected flip, hdr-flip, difference or relative, or one of these two with a factor, \
+        _ => Err("expected flip, hdr-flip, difference or relative; the latter two also with a factor, \
             such as difference*10"
             .into()),
     }

@@ -2,12 +2,13 @@
 
 use super::output;
 use clap::Args;
-use pelage_core::{Error, Result};
-use pelage_gpu as gpu;
+use pelage::render::list_adapters;
+use pelage::{Error, Result};
+use pelage_gpu::adapter::HELP;
 
 #[derive(Debug, Args)]
 pub(super) struct DevicesArgs {
-    /// Print JSON.
+    /// Print JSON
     #[arg(long)]
     json: bool,
 }
@@ -15,13 +16,11 @@ pub(super) struct DevicesArgs {
 /// Lists the adapters.
 ///
 /// # Errors
-/// [`Error::Adapter`] where there is none that suffices.
+/// [`Error::Adapter`] if none is usable.
 pub(super) fn run(args: &DevicesArgs) -> Result<()> {
-    let adapters = gpu::list_adapters();
+    let adapters = list_adapters();
     if args.json {
-        let rows = serde_json::to_value(&adapters)
-            .map_err(|e| Error::Encoding(format!("the adapters cannot be written as JSON: {e}")))?;
-        output::print_json(&rows)?;
+        output::print_json(&output::to_json(&adapters, "list of adapters")?)?;
     } else {
         for a in &adapters {
             let usable = a.lacks.as_ref().map_or("usable".into(), |lacks| format!("not usable: {lacks}"));
@@ -37,10 +36,10 @@ pub(super) fn run(args: &DevicesArgs) -> Result<()> {
         }
     }
     if adapters.is_empty() {
-        return Err(Error::Adapter(format!("no GPU adapter answers; {}", gpu::adapter::HELP)));
+        return Err(Error::Adapter(format!("no GPU adapter answers; {HELP}")));
     }
     if adapters.iter().all(|a| a.lacks.is_some()) {
-        return Err(Error::Adapter(format!("no adapter is sufficient; {}", gpu::adapter::HELP)));
+        return Err(Error::Adapter(format!("no adapter is sufficient; {HELP}")));
     }
     Ok(())
 }

@@ -1,18 +1,15 @@
-//! `pelage export`: what is rendered, for other renderers.
+//! `pelage export`: strands, mesh, or the whole scene for other renderers.
 
+use super::Global;
+use super::args::SceneArgs;
 use super::choice::choice;
-use super::{
-    Global,
-    args::SceneArgs,
-    output::{self, count, human_bytes},
-};
+use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage_core::{Result, World, files, mesh};
-use pelage_export as export;
-use pelage_export::{EnvironmentAs, Target};
-use pelage_pathtrace::grow;
-use pelage_pathtrace::grow::GrowOptions;
-use pelage_render as render;
+use pelage::export::{self, EnvironmentAs, Target};
+use pelage::reference::{GrowOptions, grow};
+use pelage::render::strands;
+use pelage::{Result, World};
+use pelage_core::files;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
@@ -20,19 +17,19 @@ use std::path::PathBuf;
 pub(super) struct ExportArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Write the guard hairs in Cem Yuksel's HAIR format.
+    /// Write the guard hairs in Cem Yuksel's HAIR format
     #[arg(long, value_name = "FILE.hair")]
     strands: Option<PathBuf>,
-    /// Write the skin, in world space, cm.
+    /// Write the skin as OBJ, in world space, cm
     #[arg(long, value_name = "FILE.obj")]
     mesh: Option<PathBuf>,
-    /// Write the whole scene with every hair for another renderer; what it cannot express stands as comments in the scene file.
+    /// Write the whole scene with every hair for another renderer; comments in its scene file list what it cannot express
     #[arg(long, value_parser = choice::<Target>(), value_name = "TARGET", requires = "folder")]
     to: Option<Target>,
-    /// The folder for --to; made where only it is missing.
+    /// Folder for --to; created if its parent exists
     #[arg(short = 'o', long, value_name = "FOLDER", requires = "to")]
     folder: Option<PathBuf>,
-    /// What the environment becomes for --to.
+    /// Representation of the environment for --to
     #[arg(long, value_parser = choice::<EnvironmentAs>(), value_name = "AS", default_value = "map", requires = "to")]
     environment: EnvironmentAs,
 }
@@ -47,23 +44,23 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let world = World::load(scene, &assets)?;
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {
-        mesh::write_obj(&world.skin, path)?;
+        export::write_obj(&world.skin, path)?;
         say(format!("{}: {} triangles\n", path.display(), count(world.skin.triangles.len() as u64)))?;
     }
     if let Some(path) = &args.strands {
-        let hair = render::strands::strands(&world)?;
+        let hair = strands(&world)?;
         hair.write(path)?;
         say(format!("{}: {} guard hairs\n", path.display(), count(hair.segments.len() as u64)))?;
     }
     if let Some((target, folder)) = whole {
-        let strands = grow::grow(&world, &GrowOptions::default())?;
+        let strands = grow(&world, &GrowOptions::default())?;
         let mut bytes = 0;
         for file in export::write(&world, &strands, &assets, target, args.environment, folder)? {
             bytes += file.bytes;
-            let holds = if file.holds.is_empty() { "open this".into() } else { file.holds };
+            let holds = if file.holds.is_empty() { "main file".into() } else { file.holds };
             say(format!("{}: {}, {holds}\n", file.path.display(), human_bytes(file.bytes)))?;
         }
-        say(format!("together {}\n", human_bytes(bytes)))?;
+        say(format!("total {}\n", human_bytes(bytes)))?;
     }
     Ok(())
 }

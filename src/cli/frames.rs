@@ -1,14 +1,14 @@
 //! Ranges of frames on the command line, and the names of their files.
 
-use pelage_core::scene::Animation;
-use pelage_core::{Error, Result};
+use pelage::scene::Animation;
+use pelage::{Error, Result};
 use std::path::{Path, PathBuf};
 
 /// Frames to render, from 1, both ends included.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct Frames {
     first: u32,
-    /// Not given: to the animation's end.
+    /// `None`: to the end of the animation.
     last: Option<u32>,
 }
 
@@ -16,12 +16,12 @@ impl Frames {
     /// The numbers, in order.
     ///
     /// # Errors
-    /// [`Error::Usage`] where an open range begins after the animation's end.
+    /// [`Error::Usage`] if an open range begins after the end of the animation.
     pub fn numbers(self, animation: &Animation) -> Result<std::ops::RangeInclusive<u32>> {
         let last = self.last.unwrap_or(animation.frames);
         if self.first > last {
             return Err(Error::Usage(format!(
-                "--frames {}..: the animation has {last} frames: begin earlier, or set animation.frames",
+                "--frames {}..: the animation has only {last} frames; begin earlier, or set animation.frames",
                 self.first
             )));
         }

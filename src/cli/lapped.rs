@@ -1,46 +1,44 @@
-//! `pelage lapped`: patches that a small texture clothes a mesh with.
+//! `pelage lapped`: a mesh covered with overlapping patches of one small texture.
 
-use super::choice::{choice, word};
-use super::{
-    Global, args,
-    output::{self, count},
-};
+use super::choice::{choice, name};
+use super::output::{self, count};
+use super::{Global, args};
 use clap::Args;
-use pelage_core::assets::Assets;
-use pelage_core::film::Metadata;
-use pelage_core::scene::{FieldSource, FilmSpec, Override, Tonemap};
-use pelage_core::{Error, Result, Scene, files, film, mesh};
-use pelage_shells::lapped;
-use pelage_shells::lapped::Statistics;
+use pelage::assets::Assets;
+use pelage::film::{Metadata, io};
+use pelage::scene::{FieldSource, FilmSpec, Override, Tonemap};
+use pelage::shells::{self, Statistics};
+use pelage::{Error, Result, Scene};
+use pelage_core::{files, mesh};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct LappedArgs {
-    /// The scene file, or a mesh (OBJ) to lay patches on as the defaults say.
+    /// Scene file, or a mesh (OBJ) with default settings
     #[arg(value_name = "SCENE.toml|MESH.obj")]
     input: PathBuf,
-    /// Folder for patches.obj, patches.png, field.png and lapped.json; made if it is not there.
+    /// Folder for patches.obj, patches.png, field.png and lapped.json; created if it does not exist
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER")]
     outfile: PathBuf,
-    /// Set a value over the scene file, e.g. -D mesh.size=10.
+    /// Override a value of the scene file, e.g. -D mesh.size=10
     #[arg(short = 'D', value_name = "KEY.PATH=VALUE", value_parser = args::key_value)]
     define: Vec<String>,
-    /// Radius of a patch's outline, cm.
+    /// Radius of a patch's outline in cm
     #[arg(long, value_name = "CM", help_heading = "Scene overrides")]
     radius: Option<f32>,
-    /// How uneven the outline is, 0..0.9.
+    /// Irregularity of the outline, 0..0.9
     #[arg(long, value_name = "PART", help_heading = "Scene overrides")]
     irregularity: Option<f32>,
-    /// Where the direction of the hair comes from.
+    /// Source of the hair's direction field
     #[arg(long, value_parser = choice::<FieldSource>(), help_heading = "Scene overrides")]
     field: Option<FieldSource>,
-    /// Patches overlap within their outlines.
+    /// Let patches overlap within their outlines
     #[arg(long, help_heading = "Scene overrides")]
     overlapping: bool,
-    /// Each patch is turned at random instead of following the field.
+    /// Rotate each patch at random instead of aligning it with the direction field
     #[arg(long, help_heading = "Scene overrides")]
     isotropic: bool,
-    /// Seed of everything random.
+    /// Seed of all random numbers
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     seed: Option<u32>,
 }
@@ -51,21 +49,19 @@ const SIDE: u32 = 960;
 pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.load()?;
     let folder = &args.outfile;
-    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, format!("cannot be made: {e}")))?;
+    std::fs::create_dir_all(folder).map_err(|e| Error::io(folder, format!("cannot be created: {e}")))?;
     let [obj, picture, field, json] =
         ["patches.obj", "patches.png", "field.png", "lapped.json"].map(|name| folder.join(name));
     [&obj, &picture, &field, &json].into_iter().try_for_each(|path| files::check_target(path))?;
     let skin = mesh::load(&scene.mesh, &|name| assets.find(name))?;
-    if !global.quiet {
-        skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    }
-    let lapped = lapped::lap(&skin, &scene)?;
+    output::print_notes(&skin, global.quiet);
+    let lapped = shells::lap(&skin, &scene)?;
     let statistics = lapped.statistics(&skin)?;
-    lapped::write_obj(&lapped, &skin, &obj)?;
+    shells::write_obj(&lapped, &skin, &obj)?;
     let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
     let meta = Metadata::of_program().with_seed(scene.render.seed);
-    film::io::write(&lapped::patch_picture(&lapped, &skin, SIDE), &picture, &meta, &spec)?;
-    film::io::write(&lapped::field_picture(&lapped, &skin, SIDE), &field, &meta, &spec)?;
+    io::write(&shells::patch_picture(&lapped, &skin, SIDE), &picture, &meta, &spec)?;
+    io::write(&shells::field_picture(&lapped, &skin, SIDE), &field, &meta, &spec)?;
     let value = serde_json::json!({
         "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")),
         "mesh": scene.mesh,
@@ -83,7 +79,7 @@ impl LappedArgs {
         if !self.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
             return Scene::load_with(&self.input, &overrides);
         }
-        // The defaults with this mesh.
+        // A scene of this mesh alone.
         let name = self.input.display().to_string();
         let assets = Assets::of_folder(Path::new("."));
         assets.find(&name)?;
@@ -95,7 +91,7 @@ impl LappedArgs {
     /// `-D` in order, then the flags.
     fn overrides(&self) -> Result<Vec<Override>> {
         let mut all = self.define.iter().map(|d| Override::parse(d)).collect::<Result<Vec<_>>>()?;
-        let field = self.field.and_then(|v| word(&v));
+        let field = self.field.and_then(|v| name(&v));
         let flags = [
             ("--radius", "lapped.radius", self.radius.map(|v| format!("{v:?}"))),
             ("--irregularity", "lapped.irregularity", self.irregularity.map(|v| format!("{v:?}"))),
@@ -104,11 +100,7 @@ impl LappedArgs {
             ("--isotropic", "lapped.aligned", self.isotropic.then(|| "false".to_owned())),
             ("--seed", "render.seed", self.seed.map(|v| v.to_string())),
         ];
-        for (flag, path, value) in flags {
-            if let Some(value) = value {
-                all.push(Override { flag: format!("{flag} {value}"), path: path.to_owned(), value });
-            }
-        }
+        all.extend(args::overrides(flags));
         Ok(all)
     }
 }

@@ -1,9 +1,12 @@
-//! Files and text that leave the program.
+//! Output to stdout, stderr and files.
 
-use pelage_core::{Error, Result, files};
-use std::{io::Write, path::Path};
+use pelage::{Error, Result, Skin};
+use pelage_core::files;
+use serde::Serialize;
+use std::io::Write;
+use std::path::Path;
 
-/// Prints to stdout. A reader that has gone away (`pelage schema | head`) is no error.
+/// Prints to stdout. A closed pipe (`pelage schema | head`) is not an error.
 pub(super) fn print(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -12,12 +15,25 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
+/// Prints the notes about a mesh to stderr, unless `quiet`.
+pub(super) fn print_notes(skin: &Skin, quiet: bool) {
+    if !quiet {
+        skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+    }
+}
+
+/// A value as JSON; `name` is for the error.
+pub(super) fn to_json(value: &impl Serialize, name: &str) -> Result<serde_json::Value> {
+    serde_json::to_value(value)
+        .map_err(|e| Error::Encoding(format!("the {name} cannot be written as JSON: {e}")))
+}
+
 /// Prints a JSON value to stdout.
 pub(super) fn print_json(value: &serde_json::Value) -> Result<()> {
     print(&format!("{value:#}\n"))
 }
 
-/// Writes a JSON file whole or not at all.
+/// Writes a JSON file, whole or not at all.
 pub(super) fn write_json(path: &Path, value: &serde_json::Value) -> Result<()> {
     files::write_buffered(path, |out| Ok(writeln!(out, "{value:#}")?))
 }
@@ -27,7 +43,7 @@ pub(super) fn command_line() -> Vec<String> {
     std::env::args_os().map(|a| a.to_string_lossy().into_owned()).collect()
 }
 
-/// Bytes in the unit that reads best.
+/// A number of bytes in the largest unit of which there is at least one.
 pub(super) fn human_bytes(bytes: u64) -> String {
     let units = [("GiB", 30), ("MiB", 20), ("KiB", 10)];
     match units.iter().find(|(_, shift)| bytes >= 1 << shift) {
@@ -36,7 +52,7 @@ pub(super) fn human_bytes(bytes: u64) -> String {
     }
 }
 
-/// A count with commas.
+/// A count with thousands separators.
 pub(super) fn count(n: u64) -> String {
     let digits = n.to_string();
     let mut text = String::new();
@@ -54,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn counts_have_commas() {
+    fn counts_have_thousands_separators() {
         assert_eq!(count(0), "0");
         assert_eq!(count(999), "999");
         assert_eq!(count(82_432), "82,432");

@@ -1,32 +1,30 @@
 //! Progress on stderr.
 
 use indicatif::{ProgressBar, ProgressStyle};
-use pelage_render::Progress;
-use std::{
-    io::IsTerminal,
-    sync::Mutex,
-    time::{Duration, Instant},
-};
+use pelage::render::Progress;
+use std::io::IsTerminal;
+use std::sync::Mutex;
+use std::time::{Duration, Instant};
 
-/// How progress is shown.
+/// Style of the progress display.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
 pub(super) enum Style {
-    /// Not at all.
+    /// No progress
     None,
-    /// A bar with the time left; lines of text where stderr is no terminal.
+    /// A bar with the remaining time; lines of text if stderr is not a terminal
     Bar,
-    /// A line every few seconds.
+    /// A line of text every few seconds
     Text,
 }
 
-/// The display of one rendering.
+/// The progress display of a rendering.
 pub(super) enum Display {
     Hidden,
     Bar(ProgressBar),
     Text(Mutex<Text>),
 }
 
-/// What the lines of text were last about.
+/// State of a display in lines of text.
 pub(super) struct Text {
     start: Instant,
     last: Option<Instant>,
@@ -36,7 +34,7 @@ const STEPS: u64 = 1000;
 const INTERVAL: Duration = Duration::from_secs(2);
 
 impl Display {
-    /// The display that was asked for, as far as stderr allows it.
+    /// A display of `style`, as far as stderr supports it; by default a bar on a terminal, nothing otherwise.
     pub fn new(style: Option<Style>, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let default = if terminal { Style::Bar } else { Style::None };
@@ -53,7 +51,7 @@ impl Display {
         }
     }
 
-    /// Shows how far the rendering is.
+    /// Shows the progress.
     pub fn update(&self, progress: Progress) {
         let done = if progress.done.is_finite() { progress.done.clamp(0.0, 1.0) } else { 0.0 };
         match self {
@@ -79,7 +77,7 @@ impl Display {
         }
     }
 
-    /// Takes the bar away.
+    /// Removes the bar.
     pub fn finish(&self) {
         if let Self::Bar(bar) = self {
             bar.finish_and_clear();

@@ -1,67 +1,58 @@
-//! `pelage reference`: the ground truth of a scene by path tracing, without a GPU.
+//! `pelage reference`: the ground truth of a scene, path traced on the CPU.
 
+use super::args::SceneArgs;
 use super::choice::choice;
-use super::{
-    Global,
-    args::SceneArgs,
-    interrupt,
-    output::{self, count},
-    progress::Display,
-};
+use super::output::{self, count};
+use super::progress::Display;
+use super::{Global, interrupt};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
-use pelage_core::film::composite::Backdrop;
-use pelage_core::film::{Film, Metadata, io};
-use pelage_core::{Error, Result, Scene, World};
-use pelage_pathtrace as pathtrace;
-use pelage_pathtrace::grow::{GrowOptions, Patch};
-use pelage_pathtrace::{Identity, Integrator, LightModel, Options, Outcome};
-use pelage_render as render;
-use std::{
-    path::{Path, PathBuf},
-    time::{Duration, Instant},
-};
+use pelage::film::composite::Backdrop;
+use pelage::film::{Film, Metadata, io};
+use pelage::reference::{self, GrowOptions, Identity, Integrator, LightModel, Options, Outcome, Patch};
+use pelage::render::Progress;
+use pelage::{Error, Result, Scene, World};
+use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
 pub(super) struct ReferenceArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Output file, .png or .exr; may be given several times. EXR holds all layers, both halves and the variance, and can be
-    /// gone on from.
+    /// Output file, .png or .exr; may be repeated. EXR files hold all planes, both halves and the variance, and can be resumed
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// How light is gathered.
+    /// Light transport
     #[arg(long, value_parser = choice::<Integrator>(), default_value = "path")]
     integrator: Integrator,
-    /// Which lights: the renderer's directional ones (scene), or the environment itself (map); not given: scene for single,
-    /// map for path.
+    /// Lights: the renderer's directional lights (scene), or the environment itself (map) [default: scene for single, map for path]
     #[arg(long, value_parser = choice::<LightModel>())]
     lights: Option<LightModel>,
-    /// Stop after this time, s.
+    /// Stop after this time in seconds
     #[arg(long, value_name = "S", value_parser = above_zero)]
     time: Option<f64>,
-    /// Stop where the relative mean squared error, from the difference of two halves, is at most this.
+    /// Stop when the relative mean squared error, estimated from two halves of the samples, is at most this
     #[arg(long, value_name = "X", value_parser = above_zero)]
     error: Option<f64>,
-    /// Go on from the first EXR output file, if it is there.
+    /// Resume from the first EXR output file, if it exists
     #[arg(long)]
     resume: bool,
-    /// Only hairs with roots within R cm of a point.
+    /// Trace only hairs with roots within R cm of a point
     #[arg(long, value_name = "X,Y,Z,R", value_parser = patch, allow_hyphen_values = true)]
     patch: Option<Patch>,
-    /// Which hairs are traced.
+    /// Layers to trace
     #[arg(long, value_enum, value_delimiter = ',', value_name = "LIST", default_value = "guard,undercoat")]
     layers: Vec<LayerName>,
-    /// Segments of an undercoat hair.
+    /// Segments of an undercoat hair
     #[arg(long, value_name = "N", default_value_t = 8)]
     segments: u32,
-    /// Most scatterings of a path.
+    /// Largest number of scattering events of a path
     #[arg(long, value_name = "N", default_value_t = 256)]
     depth: u32,
-    /// Seed of the samples; --seed is that of the fur.
+    /// Seed of the sampling; --seed is that of the fur
     #[arg(long, value_name = "N", default_value_t = 0)]
     sampling_seed: u32,
-    /// Print the result as JSON.
+    /// Print the result as JSON
     #[arg(long)]
     json: bool,
 }
@@ -88,25 +79,23 @@ fn patch(text: &str) -> Result<Patch, String> {
     fits.then_some(Patch { centre: Vec3::new(x, y, z), radius }).ok_or_else(expected)
 }
 
-/// An image that was not asked for a limit has this many samples a pixel.
+/// Samples per pixel if no limit is given.
 const SAMPLES: u32 = 64;
 
-/// Memory allowed where nothing else is said, bytes.
+/// Default memory budget, bytes.
 const MEMORY: u64 = 8 << 30;
 
-/// Time between two images that show how far it is.
+/// Time between two intermediate images.
 const WRITE_EVERY: Duration = Duration::from_secs(60);
 
-/// Traces; after an interrupt what there is has been written.
+/// Traces and writes the image; after an interrupt, the partial image.
 pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (scene, assets) = args.scene.load()?;
     let backdrop = Backdrop::load(&scene, &assets)?;
     let cancel = interrupt::listen()?;
     let world = World::load(scene, &assets)?;
-    if !global.quiet {
-        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    }
+    output::print_notes(&world.skin, global.quiet);
     let limited = args.time.is_some() || args.error.is_some();
     let mut options = Options {
         integrator: args.integrator,
@@ -126,7 +115,7 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     let identity = Identity::new(&world, &options);
     if args.resume {
         let Some(path) = args.outfile.iter().find(|p| is_exr(p)) else {
-            return Err(Error::Usage("--resume: expected an output file that ends in .exr".into()));
+            return Err(Error::Usage("--resume: expected an output file with the extension .exr".into()));
         };
         if path.exists() {
             options.start = Some(identity.read(path, [world.scene.film.width, world.scene.film.height])?);
@@ -140,8 +129,8 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     };
     let display = Display::new(global.progress, global.quiet);
     let mut written = Instant::now();
-    let outcome = pathtrace::render(&world, &options, &mut |progress| {
-        display.update(render::Progress { done: progress.done as f32, stage: "path tracing" });
+    let outcome = reference::render(&world, &options, &mut |progress| {
+        display.update(Progress { done: progress.done as f32, stage: "path tracing" });
         if written.elapsed() >= WRITE_EVERY {
             save(progress.means.film(), progress.means.samples)?;
             written = Instant::now();
@@ -176,7 +165,7 @@ fn write(film: &Film, path: &Path, metadata: &Metadata, scene: &Scene) -> Result
 fn summary(args: &ReferenceArgs, scene: &Scene, outcome: &Outcome) -> String {
     let files: Vec<_> = args.outfile.iter().map(|p| p.display().to_string()).collect();
     format!(
-        "{}: {} x {}, {} spp, {:.1} s\nerror      {:.3e} (relative mean squared, from two halves)\nrays       {}, {:.2} million/s\n",
+        "{}: {} x {}, {} spp, {:.1} s\nerror      {:.3e} (relative mean squared, estimated from two halves)\nrays       {}, {:.2} million/s\n",
         files.join(", "),
         scene.film.width,
         scene.film.height,

@@ -1,42 +1,37 @@
 //! `pelage render`.
 
-use super::{
-    Global,
-    args::{self, SceneArgs},
-    frames::{self, Frames},
-    interrupt,
-    output::{self, count, human_bytes},
-    progress::Display,
-};
+use super::args::{self, SceneArgs};
+use super::frames::{self, Frames};
+use super::output::{self, count, human_bytes};
+use super::progress::Display;
+use super::{Global, interrupt};
 use clap::Args;
-use pelage_core::assets::Assets;
-use pelage_core::film::{Metadata, composite, depth_of_field, io};
-use pelage_core::stats::Stats;
-use pelage_core::{Error, Result, Scene, World, animation, files};
-use pelage_render::RenderOptions;
-use std::{
-    path::{Path, PathBuf},
-    sync::atomic::{AtomicBool, Ordering},
-};
+use pelage::assets::Assets;
+use pelage::film::{Metadata, composite, depth_of_field, io};
+use pelage::render::{self, RenderOptions, Stats, animation};
+use pelage::{Error, Result, Scene, World};
+use pelage_core::files;
+use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicBool, Ordering};
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Output file, .png or .exr (EXR holds all layers); may be given several times.
+    /// Output file, .png or .exr; may be repeated. EXR files hold all planes
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// Render only a part of the film, in 0..1 of its width and height.
+    /// Render only a part of the film, in 0..1 of its width and height
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
     cropwindow: Option<[f32; 4]>,
-    /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the end). Files are numbered:
-    /// -o fur.png gives fur_0001.png and so on, --stats likewise. A frame does not depend on those before it.
+    /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the end). Output files are numbered: -o
+    /// fur.png gives fur_0001.png and so on, and likewise for --stats. Frames are independent of each other
     #[arg(long, value_name = "N|A..B", value_parser = frames::frames)]
     frames: Option<Frames>,
-    /// Write the statistics to a JSON file.
+    /// Write the statistics to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
-    /// Print the statistics as JSON instead of as text.
+    /// Print the statistics as JSON instead of text
     #[arg(long)]
     json: bool,
 }
@@ -45,12 +40,12 @@ fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
-/// Renders; after an interrupt or the loss of the device the partial image is written before the error is returned.
+/// Renders and writes the images; after an interrupt or the loss of the device, the partial image.
 pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     let png = |path: &PathBuf| path.extension().is_some_and(|e| e.eq_ignore_ascii_case("png"));
     if let Some(path) = args.outfile.iter().find(|path| !is_exr(path) && !png(path)) {
         let found = path.display();
-        return Err(Error::Usage(format!("-o {found}: expected a file name that ends in .png or .exr")));
+        return Err(Error::Usage(format!("-o {found}: expected the extension .png or .exr")));
     }
     let (scene, assets) = args.scene.load()?;
     let numbers = args.frames.map(|f| f.numbers(&scene.animation)).transpose()?;
@@ -61,9 +56,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(&named(path, first)))?;
     let cancel = interrupt::listen()?;
     let mut world = World::load(scene, &assets)?;
-    if !global.quiet {
-        world.skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
-    }
+    output::print_notes(&world.skin, global.quiet);
     if cancel.load(Ordering::SeqCst) {
         return Err(Error::Interrupted);
     }
@@ -77,14 +70,15 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
         world.scene.camera = state.camera;
         let outfile: Vec<_> = args.outfile.iter().map(|path| named(path, Some(number))).collect();
         let stats = args.stats.as_ref().map(|path| named(path, Some(number)));
-        picture(args, global, &world, state.time, &assets, &outfile, stats.as_deref(), cancel)
-            .inspect_err(|_| eprintln!("frame {number} is not done: go on with --frames {number}..{last}"))?;
+        picture(args, global, &world, state.time, &assets, &outfile, stats.as_deref(), cancel).inspect_err(
+            |_| eprintln!("frame {number} is not finished; resume with --frames {number}..{last}"),
+        )?;
     }
     Ok(())
 }
 
 /// Renders the picture `time` s after the first frame and writes it to every file of `outfile`.
-#[allow(clippy::too_many_arguments)] // Each is a different thing that a picture needs.
+#[allow(clippy::too_many_arguments)] // Each is an independent input.
 fn picture(
     args: &RenderArgs,
     global: &Global,
@@ -104,7 +98,7 @@ fn picture(
         progress: Some(&show),
         cancel: Some(cancel),
     };
-    let frame = pelage_shells::render(world, &options);
+    let frame = render::render(world, &options);
     display.finish();
     let mut frame = frame?;
 
@@ -114,8 +108,7 @@ fn picture(
     for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;
     }
-    let json = serde_json::to_value(&frame.stats)
-        .map_err(|e| Error::Unsupported(format!("the statistics cannot be written as JSON: {e}")))?;
+    let json = output::to_json(&frame.stats, "statistics")?;
     if let Some(path) = stats {
         output::write_json(path, &json)?;
     }
@@ -131,8 +124,7 @@ fn picture(
     }
 }
 
-/// What an image says about how it was made. The resolved scene renders the same without the files it included or the
-/// flags that changed it.
+/// The metadata of an image. The resolved scene in it renders the same image without included files and flags.
 fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
     Metadata::of_program()
         .with_scene(&toml::to_string(scene).unwrap_or_default())
@@ -141,7 +133,7 @@ fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
         .with_stats(stats)
 }
 
-/// The statistics for people: what was written, counts, and the rows of Andersen et al. 2016, Table 1.
+/// The statistics as text: the files, counts, and the rows of Andersen et al. 2016, Table 1.
 fn summary(outfile: &[PathBuf], s: &Stats) -> String {
     let files: Vec<_> = outfile.iter().map(|p| p.display().to_string()).collect();
     let mut text = format!(
@@ -163,7 +155,7 @@ fn summary(outfile: &[PathBuf], s: &Stats) -> String {
         s.storage
     );
     text += &format!(
-        "fragments  {}, at most {} a sample, {} dropped; {} rays lost; {} tiles, {} of them again\n",
+        "fragments  {}, at most {} per sample, {} dropped; {} rays lost; {} tiles, {} retried\n",
         count(s.fragments),
         count(s.fragments_max),
         count(s.fragments_dropped),

@@ -1,7 +1,7 @@
 //! `pelage schema`.
 
 use super::output;
-use pelage_core::{Result, scene};
+use pelage::{Result, scene};
 
 /// Prints the JSON schema of scene files.
 pub(super) fn run() -> Result<()> {

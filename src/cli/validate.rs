@@ -1,29 +1,30 @@
 //! `pelage validate`.
 
-use super::{Global, interrupt, output, progress::Display};
+use super::progress::Display;
+use super::{Global, interrupt, output};
 use clap::Args;
-use pelage_core::Result;
-use pelage_studies::validate;
-use pelage_studies::validate::Level;
+use pelage::Result;
+use pelage_studies::report::number;
+use pelage_studies::validate::{self, Level};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct ValidateArgs {
-    /// A few minutes: fewer cases, smaller and noisier pictures.
+    /// Run a few minutes: fewer cases, smaller and noisier images
     #[arg(long, conflicts_with = "full")]
     quick: bool,
-    /// All cases, larger pictures, more samples: hours on a few cores.
+    /// Run all cases with larger images and more samples: hours on a few cores
     #[arg(long)]
     full: bool,
-    /// Folder for report.html, report.json and pictures.
+    /// Folder for report.html, report.json and pictures
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER", default_value = "out/validate")]
     outfile: PathBuf,
-    /// Only this experiment: transmittance, furnace, volume or hybrid; may be given several times.
+    /// Run only this experiment: transmittance, furnace, volume or hybrid; may be repeated
     #[arg(long, value_name = "NAME")]
     only: Vec<String>,
 }
 
-/// Measures, writes the report, prints the table.
+/// Measures, writes the report, and prints the table.
 ///
 /// # Errors
 /// As [`validate::Report::verdict`] and [`validate::run`].
@@ -61,7 +62,7 @@ fn summary(report: &validate::Report) -> String {
                 None => "",
             };
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
-            let value = pelage_studies::report::number(f.value);
+            let value = number(f.value);
             text += format!(
                 "  {:<38} {:<42} {:<40} {value:>9}  {goal:<14} {verdict}",
                 f.approximation, f.case, f.metric
@@ -69,7 +70,7 @@ fn summary(report: &validate::Report) -> String {
             .trim_end();
             text += "\n";
         }
-        section.skipped.iter().for_each(|words| text += &format!("  left out: {words}\n"));
+        section.skipped.iter().for_each(|case| text += &format!("  left out: {case}\n"));
     }
     text
 }

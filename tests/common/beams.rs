@@ -1,4 +1,4 @@
-//! Parallel rays through strands: what they meet, counted one by one.
+//! Parallel rays through strands, with a count of the segments that each meets.
 
 use glam::{Vec2, Vec3};
 use pelage_pathtrace::strands::Strands;
@@ -26,7 +26,7 @@ impl Beam {
     }
 }
 
-/// The segments that are there: ends with their radii.
+/// The segments that are present: their ends, with radii.
 pub fn segments(strands: &Strands) -> impl Iterator<Item = [glam::Vec4; 2]> + '_ {
     let hairs = strands.hairs.iter().zip(strands.points.chunks(strands.segments + 1));
     hairs.flat_map(|(hair, points)| {

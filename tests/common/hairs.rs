@@ -1,4 +1,4 @@
-//! Hairs made by hand for the path tracer.
+//! Explicit hairs for the path tracer.
 
 use glam::{Vec3, Vec4};
 use pelage_core::World;
@@ -8,9 +8,8 @@ use pelage_core::scene::{Environment, Filter, Scene, Shape};
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
 use pelage_fur::random::{hash2, random};
-use pelage_pathtrace as pathtrace;
 use pelage_pathtrace::strands::{Hair, Strands};
-use pelage_pathtrace::{Integrator, LightModel, Options};
+use pelage_pathtrace::{self as pathtrace, Integrator, LightModel, Options};
 
 /// A hair of one colour.
 pub fn hair(color: Vec3) -> Hair {

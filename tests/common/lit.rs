@@ -27,7 +27,7 @@ pub struct Lit {
     pub guard: Vec<f32>,
     /// Densities of the columns.
     pub densities: Vec<f32>,
-    /// How multiple scattering is found, and its table.
+    /// Model of multiple scattering, and its table.
     pub multiple: (MultipleModel, Option<Table>),
 }
 
@@ -74,7 +74,7 @@ impl Lit {
         self.fixture.undercoat()
     }
 
-    /// Where a node is.
+    /// Place of a node.
     pub fn place(&self, column: u32, level: u32) -> Place {
         lattice::node_place(&self.fixture.shell, &self.fixture.fur, &self.columns[column as usize], level).0
     }

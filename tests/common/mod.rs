@@ -1,4 +1,4 @@
-//! What several tests need: the real command and what it leaves behind, temporary folders, assets.
+//! Helpers of several tests: the command and its output, temporary folders, assets.
 
 pub mod beams;
 pub mod films;
@@ -8,19 +8,18 @@ pub mod lit;
 pub mod marched;
 pub mod shapes;
 pub mod shellfins;
+pub mod sources;
 pub mod worlds;
 
 use proptest::test_runner::Config;
 use serde_json::Value;
-use std::{
-    path::{Path, PathBuf},
-    process::{Command, Output},
-};
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output};
 
-/// What a command did.
+/// Outcome of a command.
 #[derive(Debug)]
 pub struct Run {
-    /// Exit code; -1 where a signal ended it.
+    /// Exit code; -1 if a signal ended it.
     pub code: i32,
     /// Standard output.
     pub out: String,
@@ -49,10 +48,14 @@ impl Run {
     }
 }
 
-/// The command, in the repository's root, without the variables that change what it does.
+/// The command in the repository's root, without the variables that change its behaviour, and with a
+/// cache folder of the tests in place of the user's.
 pub fn command() -> Command {
+    let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cache");
+    std::fs::create_dir_all(&cache).expect("a cache folder");
     let mut command = Command::new(env!("CARGO_BIN_EXE_pelage"));
     command.current_dir(root()).env_remove("PELAGE_ASSETS").env_remove("RUST_LOG");
+    command.env("XDG_CACHE_HOME", cache);
     command
 }
 
@@ -66,7 +69,7 @@ pub fn pelage<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     run(command().args(args))
 }
 
-/// Runs the command where no adapter can be found.
+/// Runs `pelage` in an environment without an adapter.
 pub fn pelage_without_adapter<S: AsRef<std::ffi::OsStr>>(args: &[S]) -> Run {
     let backend = if cfg!(target_vendor = "apple") { "vulkan" } else { "metal" };
     run(command().env("WGPU_BACKEND", backend).env("VK_DRIVER_FILES", "/nonexistent").args(args))
@@ -91,7 +94,7 @@ pub fn root() -> PathBuf {
     PathBuf::from(env!("CARGO_MANIFEST_DIR"))
 }
 
-/// The folder of downloaded assets; `None`, with a note, where PELAGE_ASSETS is not set.
+/// The folder of downloaded assets; `None`, with a note, if PELAGE_ASSETS is not set.
 pub fn assets() -> Option<PathBuf> {
     let folder = std::env::var_os("PELAGE_ASSETS").map(PathBuf::from);
     if folder.is_none() {
@@ -100,7 +103,7 @@ pub fn assets() -> Option<PathBuf> {
     folder
 }
 
-/// A folder that goes away at the end of the test.
+/// A temporary folder, removed at the end of the test.
 pub struct Folder(tempfile::TempDir);
 
 impl Folder {
@@ -125,13 +128,13 @@ impl Folder {
         self.at(name)
     }
 
-    /// The names of what is in it, sorted, hidden files included.
+    /// The names of its entries, sorted, including hidden ones.
     pub fn names(&self) -> Vec<String> {
         names(self.path())
     }
 }
 
-/// The names of what is in a folder, sorted, hidden files included.
+/// The names of a folder's entries, sorted, including hidden ones.
 pub fn names(folder: &Path) -> Vec<String> {
     let entries = std::fs::read_dir(folder).expect("a folder");
     let mut names: Vec<_> =
@@ -147,7 +150,7 @@ pub fn json(path: impl AsRef<Path>) -> Value {
     serde_json::from_slice(&text).unwrap_or_else(|e| panic!("{}: {e}", path.display()))
 }
 
-/// What an error says.
+/// The message of an error.
 #[track_caller]
 pub fn message<T: std::fmt::Debug>(result: pelage_core::Result<T>) -> String {
     result.expect_err("expected an error").to_string()

@@ -1,4 +1,4 @@
-//! Small worlds for tests on the GPU, and what is measured on their films.
+//! Small worlds for tests on the GPU, and measurements on their films.
 
 use pelage_core::World;
 use pelage_core::assets::Assets;
@@ -28,7 +28,7 @@ pub fn square(edit: impl FnOnce(&mut Scene)) -> World {
     })
 }
 
-/// Short fur without a skin of its own: `edit` names the mesh.
+/// Short fur without a mesh, which `edit` sets.
 pub fn world(edit: impl FnOnce(&mut Scene)) -> World {
     let lights = vec![
         DirectionalLight { direction: [0.5, 0.8, 0.4], irradiance: [3.0, 2.8, 2.5] },
@@ -95,7 +95,7 @@ pub fn largest(a: &Film, b: &Film, names: &[&str]) -> f32 {
         .fold(0.0, f32::max)
 }
 
-/// A plane that must be there.
+/// A plane that must exist.
 pub fn plane<'a>(film: &'a Film, name: &str) -> &'a [f32] {
     film.plane(name).unwrap_or_else(|| panic!("no plane {name}"))
 }

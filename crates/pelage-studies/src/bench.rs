@@ -1,18 +1,19 @@
-//! `pelage bench`: time and memory in the rows of Andersen et al. 2016, Table 1, and comparisons of ways to render the same fur.
+//! `pelage bench`: time and memory in the rows of Andersen et al. 2016, Table 1, and comparisons of methods for the same fur.
 //!
-//! A rendering is measured on one device that stays open: compilation and the first dispatch of each kernel come before the
-//! clock starts and are reported on their own. Nothing is special for the bench: it loads a [`World`] and calls
-//! [`pelage_shells::render_on`].
+//! All renderings use one open device. Compilation and the first dispatch of each kernel come before the measurement and are reported
+//! separately. The renderer has no special path for the bench, which loads a [`World`] and calls [`pelage_shells::render_on`].
 
 pub mod paper;
 pub mod shells;
 pub mod sweep;
 
 use crate::provenance::{Provenance, only_files_missing, repository_path, say, write_json};
+use pelage_core::assets::Assets;
+use pelage_core::scene::{Blend, Storage};
 use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, Scene, World};
 use pelage_gpu::Gpu;
-use pelage_render as render;
+use pelage_render::RenderOptions;
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -20,7 +21,7 @@ use sweep::{Subtable, Sweep};
 
 /// Scenes of the paper's table.
 const SCENES: [&str; 3] = ["scenes/cylinder.toml", "scenes/hat.toml", "scenes/bunny.toml"];
-/// Sizes that are measured where none is asked for; the second is the paper's.
+/// Default image sizes; the second is the paper's.
 const SIZES: [[u32; 2]; 2] = [[1024, 1024], [3840, 2274]];
 
 /// A small scene that runs every kernel once.
@@ -40,20 +41,20 @@ height = 16
 spp = 1
 "#;
 
-/// What is measured.
+/// Settings of a measurement.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
     /// Scene files; empty: cylinder, hat and bunny.
     pub scenes: Vec<PathBuf>,
     /// Image sizes; empty: 1024x1024 and 3840x2274.
     pub sizes: Vec<[u32; 2]>,
-    /// Renderings of each; at least 1.
+    /// Renderings of each scene; at least 1.
     pub runs: u32,
     /// GPU memory budget, bytes; `None`: the scene's.
     pub memory: Option<u64>,
-    /// Where the results are written as JSON.
+    /// JSON file for the results.
     pub json: Option<PathBuf>,
-    /// Comparisons instead of the table.
+    /// Comparisons to measure instead of the table.
     pub sweeps: Vec<Sweep>,
 }
 
@@ -62,12 +63,12 @@ pub struct Options {
 pub struct Times {
     /// Smallest.
     pub min: f64,
-    /// Median; of an even number the mean of the middle two.
+    /// Median; for an even number of runs the mean of the middle two.
     pub median: f64,
 }
 
 impl Times {
-    /// Of all runs; `None` where a run has no time.
+    /// The times of all runs; `None` if a run has no time.
     pub fn of(runs: impl Iterator<Item = Option<f64>>) -> Option<Self> {
         let mut all: Vec<f64> = runs.collect::<Option<_>>()?;
         all.sort_by(f64::total_cmp);
@@ -83,9 +84,9 @@ pub struct Row {
     pub step: u32,
     /// Name as in the paper.
     pub name: String,
-    /// GPU time; `None` where the adapter has no timestamps.
+    /// GPU time; `None` if the adapter has no timestamps.
     pub ms: Option<Times>,
-    /// Bytes of its buffers at most.
+    /// Largest size of its buffers, bytes.
     pub bytes: u64,
 }
 
@@ -102,26 +103,26 @@ pub struct Column {
     pub online_ms: Option<Times>,
     /// GPU time of all steps.
     pub total_ms: Option<Times>,
-    /// Wall time of the whole call: GPU, uploads, read-back, work on the CPU.
+    /// Wall-clock time of the whole call, with uploads, read-back and work on the CPU.
     pub wall_ms: Times,
-    /// Bytes of all steps.
+    /// Bytes of all steps together.
     pub total_bytes: u64,
-    /// Most bytes alive at once.
+    /// Most bytes allocated at once.
     pub peak_bytes: u64,
-    /// What the paper has for this scene, at 3840 x 2274.
+    /// The paper's column for this scene, at 3840 x 2274.
     pub paper: Option<paper::Column>,
     /// Counts of the last run.
     pub stats: Stats,
 }
 
-/// Everything that was measured.
+/// Results of a measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     /// Adapter, driver, version, date, command.
     pub provenance: Provenance,
-    /// Opening the device, compiling all passes, running each once, ms.
+    /// Time to open the device, compile all passes and run each once, ms.
     pub compile_ms: f64,
-    /// Runs of each.
+    /// Runs of each scene.
     pub runs: u32,
     /// The table.
     pub table: Vec<Column>,
@@ -136,11 +137,11 @@ pub struct Report {
 pub struct Skipped {
     /// The scene.
     pub scene: String,
-    /// Why.
+    /// The reason.
     pub reason: String,
 }
 
-/// Measures, prints as Markdown to stdout, and writes the JSON file if one is asked for.
+/// Measures, prints the results as Markdown to stdout, and writes the JSON file if one is set.
 ///
 /// # Errors
 /// Those of [`measure`]; [`Error::Io`] if the JSON file cannot be written.
@@ -152,11 +153,11 @@ pub fn run(options: &Options) -> Result<()> {
     }
 }
 
-/// Measures; `print` gets each part as Markdown when it is there. A scene whose mesh or map is missing is skipped and
-/// reported.
+/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh or map is missing is reported and
+/// skipped.
 ///
 /// # Errors
-/// [`Error::Usage`] if a scene file is not there, [`Error::Scene`] if it is not valid, and those of [`render::render_on`].
+/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid, and those of [`pelage_shells::render_on`].
 pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> Result<Report> {
     let started = Instant::now();
     let gpu = pelage_render::open()?;
@@ -205,22 +206,21 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
     Ok(report)
 }
 
-/// Renders a small scene in every blending mode, with densities stored and evaluated, so that drivers that compile at the first dispatch have done so.
+/// Renders a small scene in every blending mode, with densities stored and evaluated, because some drivers compile at the first dispatch.
 fn warm_up(gpu: &Gpu) -> Result<()> {
-    use pelage_core::scene::{Blend, Storage};
     let scene = Scene::parse(WARM_UP, "warm-up", &[])?;
-    let mut world = World::load(scene, &pelage_core::assets::Assets::default())?;
+    let mut world = World::load(scene, &Assets::default())?;
     for storage in [Storage::Stored, Storage::Evaluated] {
         for blend in [Blend::Exact, Blend::Virtual, Blend::Simplified] {
             world.scene.render.blend = blend;
             world.scene.undercoat.storage = storage;
-            pelage_shells::render_on(gpu, &world, &render::RenderOptions::default())?;
+            pelage_shells::render_on(gpu, &world, &RenderOptions::default())?;
         }
     }
     Ok(())
 }
 
-/// Loads a scene for one sample a pixel of `size`; `None`, noted in `report`, where a file that it names is missing.
+/// Loads a scene at one sample a pixel of `size`; `None`, noted in `report`, if a file that it names is missing.
 fn load(
     path: &Path,
     size: [u32; 2],
@@ -228,14 +228,7 @@ fn load(
     report: &mut Report,
     print: &mut dyn FnMut(&str) -> Result<()>,
 ) -> Result<Option<World>> {
-    if !path.is_file() {
-        return Err(Error::Usage(format!("{}: there is no such scene file", path.display())));
-    }
-    let mut overrides =
-        vec![format!("film.width={}", size[0]), format!("film.height={}", size[1]), "film.spp=1".into()];
-    overrides.extend(memory.map(|bytes| format!("render.memory={bytes}")));
-    let world = Scene::load(path, &overrides).and_then(|(scene, assets)| World::load(scene, &assets));
-    match world {
+    match load_world(path, &overrides(size, memory)) {
         Ok(world) => Ok(Some(world)),
         Err(e) if only_files_missing(&e) => {
             print(&format!("\n{}: skipped: {e}\n", name_of(path)))?;
@@ -246,33 +239,54 @@ fn load(
     }
 }
 
+/// Overrides for one sample a pixel of `size`, and for a memory budget.
+fn overrides([width, height]: [u32; 2], memory: Option<u64>) -> Vec<String> {
+    let mut all = vec![format!("film.width={width}"), format!("film.height={height}"), "film.spp=1".into()];
+    all.extend(memory.map(|bytes| format!("render.memory={bytes}")));
+    all
+}
+
+fn load_world(path: &Path, overrides: &[String]) -> Result<World> {
+    if !path.is_file() {
+        return Err(Error::Usage(format!("{}: no such scene file", path.display())));
+    }
+    let (scene, assets) = Scene::load(path, overrides)?;
+    World::load(scene, &assets)
+}
+
+/// The name of a scene or mesh: its file name without extension.
 fn name_of(path: &Path) -> String {
     path.file_stem().unwrap_or_default().to_string_lossy().into_owned()
 }
 
-/// Renders `runs` times.
+/// Renders a world `runs` times.
 ///
 /// # Errors
-/// Those of [`render::render_on`].
+/// Those of [`pelage_shells::render_on`].
 pub fn repeat(gpu: &Gpu, world: &World, runs: u32) -> Result<Vec<Stats>> {
     (0..runs.max(1))
         .map(|_| {
             gpu.ledger.reset_peaks();
-            Ok(pelage_shells::render_on(gpu, world, &render::RenderOptions::default())?.stats)
+            Ok(pelage_shells::render_on(gpu, world, &RenderOptions::default())?.stats)
         })
         .collect()
 }
 
-/// Smallest and median GPU time of the steps that `chosen` picks.
-fn time_of_steps(runs: &[Stats], chosen: impl Fn(u32) -> bool + Copy) -> Option<Times> {
-    Times::of(runs.iter().map(|stats| stats.steps.iter().filter(|s| chosen(s.step)).map(|s| s.ms).sum()))
+/// GPU time of the chosen steps, ms; `None` if one has no time.
+pub(crate) fn steps_ms(stats: &Stats, chosen: &[u32]) -> Option<f64> {
+    stats.steps.iter().filter(|s| chosen.contains(&s.step)).map(|s| s.ms).sum()
+}
+
+/// Smallest and median GPU time of the chosen steps.
+fn time_of_steps(runs: &[Stats], chosen: &[u32]) -> Option<Times> {
+    Times::of(runs.iter().map(|stats| steps_ms(stats, chosen)))
 }
 
 impl Column {
     /// Measures `world`, called `name`.
     ///
     /// # Errors
-    /// Those of [`render::render_on`].
+    /// Those of [`pelage_shells::render_on`].
     pub fn measure(gpu: &Gpu, world: &World, name: &str, runs: u32) -> Result<Self> {
         let all = repeat(gpu, world, runs)?;
         let last = all.last().cloned().unwrap_or_default();
@@ -282,16 +296,16 @@ impl Column {
             .map(|s| Row {
                 step: s.step,
                 name: s.name.clone(),
-                ms: time_of_steps(&all, |step| step == s.step),
+                ms: time_of_steps(&all, &[s.step]),
                 bytes: s.bytes,
             })
             .collect();
         let wall = Times::of(all.iter().map(|s| Some(s.total_ms)));
         Ok(Self {
             scene: name.to_owned(),
-            preprocessing_ms: time_of_steps(&all, |step| step <= 3),
-            online_ms: time_of_steps(&all, |step| step > 3),
-            total_ms: time_of_steps(&all, |_| true),
+            preprocessing_ms: time_of_steps(&all, &[1, 2, 3]),
+            online_ms: time_of_steps(&all, &[4, 5, 6, 7]),
+            total_ms: time_of_steps(&all, &[1, 2, 3, 4, 5, 6, 7]),
             wall_ms: wall.unwrap_or(Times { min: 0.0, median: 0.0 }),
             total_bytes: rows.iter().map(|r| r.bytes).sum(),
             peak_bytes: last.gpu_peak_bytes,
@@ -301,7 +315,7 @@ impl Column {
         })
     }
 
-    /// The column as a Markdown table, the paper's figures beside ours.
+    /// The column as a Markdown table, beside the paper's figures.
     pub fn markdown(&self) -> String {
         let s = &self.stats;
         let mut text = format!(
@@ -365,11 +379,11 @@ impl Column {
 
 const MEBIBYTE: f64 = (1 << 20) as f64;
 
-fn mebibytes(bytes: u64) -> f64 {
+pub(crate) fn mebibytes(bytes: u64) -> f64 {
     bytes as f64 / MEBIBYTE
 }
 
-/// A number right-aligned in `width`, or `n/a`.
+/// A number, or `n/a`, right-aligned in `width` characters.
 fn cell(value: Option<f64>, width: usize, digits: usize) -> String {
     match value {
         Some(v) => format!("{v:>width$.digits$}"),

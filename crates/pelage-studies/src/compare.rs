@@ -1,4 +1,4 @@
-//! How much two pictures differ: in light, in structure, to the eye, at the silhouette and inside.
+//! Differences between two images in light, structure and perception: over all pixels, at the silhouette, and inside.
 
 mod metric;
 mod perceptual;
@@ -15,13 +15,13 @@ use pelage_core::film::tonemap::{luminance, srgb_decode, srgb_encode};
 use pelage_core::{Error, Result};
 use serde::Serialize;
 
-/// Added to a squared value where a relative error divides by it.
+/// Added to the squared reference value in the denominator of relative errors.
 // [Rousselle2011] sec. 3.1
 const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// Differences of an image from a reference.
 ///
-/// Pixels that are infinite or not a number in either image are counted and left out (FLIP and SSIM see them as black).
+/// Pixels that are infinite or not a number in either image are counted and left out; FLIP and SSIM treat them as black.
 /// In JSON an infinite or undefined number becomes `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
@@ -38,19 +38,19 @@ pub struct Comparison {
     /// Over all pixels.
     #[serde(flatten)]
     pub all: Metrics,
-    /// Over the pixels near the outline of the reference; `None` where it has none.
+    /// Over the pixels near the outline of the reference; `None` if it has none.
     pub silhouette: Option<Metrics>,
-    /// Over the pixels that the reference covers, without the silhouette; `None` where there are none.
+    /// Over the pixels that the reference covers, without the silhouette; `None` if there are none.
     pub inside: Option<Metrics>,
 }
 
-/// How [`compare_with`] looks at two images, the same for both.
+/// Settings of [`compare_with`], which apply to both images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Stops; for all metrics of displayed images (PSNR, SSIM, FLIP). Those of linear light do not depend on it but for RMSE,
-    /// the largest difference and the floor of relative MSE, which are those of exposed values.
+    /// Stops, for the metrics of displayed images (PSNR, SSIM, FLIP). Of the metrics of linear light only RMSE, the largest difference and
+    /// the floor of relative MSE depend on it: they use exposed values.
     pub exposure: f64,
-    /// Pixels nearer to the outline than this are the silhouette.
+    /// Width of the silhouette on each side of the outline, pixels.
     pub band: f64,
 }
 
@@ -60,16 +60,16 @@ impl Default for Options {
     }
 }
 
-/// How [`error_image`] shows differences.
+/// Kinds of [`error_image`].
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ErrorImage {
     /// The FLIP error in the magma colour map: black 0, white 1.
     Flip,
     /// The HDR-FLIP error in the same colour map.
     HdrFlip,
-    /// Absolute difference of each channel times a factor.
+    /// Absolute difference of each channel, times a factor.
     Difference(f32),
-    /// Relative error of each channel, the root of what relative MSE averages, times a factor.
+    /// Relative error of each channel (the root of the terms of relative MSE), times a factor.
     Relative(f32),
 }
 
@@ -83,13 +83,13 @@ impl Comparison {
         }
     }
 
-    /// What exceeds its limit over all pixels, as [`Comparison::exceeds_in`].
+    /// The metrics past their limits over all pixels, as [`Comparison::exceeds_in`].
     pub fn exceeds(&self, limits: &Thresholds) -> Option<String> {
         self.exceeds_in(Region::All, limits)
     }
 
-    /// What exceeds its limit in a region, in one line each; `None` if nothing does. Pixels that are not finite always do, and
-    /// so does a metric that is not a number, and a region without pixels where a limit is given.
+    /// The metrics past their limits in a region, one line each; `None` if all are within. Pixels that are not finite, a metric that is not
+    /// a number, and a region without pixels if a limit is set always exceed.
     pub fn exceeds_in(&self, region: Region, limits: &Thresholds) -> Option<String> {
         let mut lines = match self.region(region) {
             Some(metrics) => metrics.exceeds(limits),
@@ -140,12 +140,12 @@ impl std::fmt::Display for Comparison {
 /// Compares an image with a reference of the same size.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the sizes differ (with both), or if a film lacks a plane of `R G B A`.
+/// [`Error::Unsupported`] if the sizes differ, or if a film lacks one of the planes `R G B A`.
 pub fn compare(image: &Film, reference: &Film) -> Result<Comparison> {
     compare_with(image, reference, &Options::default())
 }
 
-/// Compares an image with a reference of the same size.
+/// Compares an image with a reference of the same size, with settings.
 ///
 /// # Errors
 /// As [`compare`].
@@ -180,7 +180,7 @@ pub fn compare_with(image: &Film, reference: &Film, options: &Options) -> Result
     })
 }
 
-/// A picture of the differences, opaque; write it with tone mapping `none` and exposure 0.
+/// An opaque image of the differences; write it with tone mapping `none` and exposure 0.
 ///
 /// # Errors
 /// As [`compare`].
@@ -188,7 +188,7 @@ pub fn error_image(image: &Film, reference: &Film, kind: ErrorImage) -> Result<F
     error_image_with(image, reference, kind, &Options::default())
 }
 
-/// As [`error_image`], of both images at the exposure of the options.
+/// As [`error_image`], with both images at the exposure of the options.
 ///
 /// # Errors
 /// As [`compare`].
@@ -221,7 +221,7 @@ fn magma(errors: &[f32]) -> Vec<[f32; 4]> {
     errors.iter().map(color).collect()
 }
 
-/// Two images of the same size, premultiplied linear, at the same exposure.
+/// Two images of the same size, premultiplied linear, after exposure.
 struct Pair {
     image: Vec<[f32; 4]>,
     reference: Vec<[f32; 4]>,

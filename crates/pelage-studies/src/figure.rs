@@ -1,9 +1,9 @@
-//! The figures and tables of the works that pelage implements: each is a folder of `paper_figures/` with a `figure.toml`, its scenes,
-//! and a caption.
+//! The figures and tables of the works that pelage implements. Each is a folder of `paper_figures/` with a `figure.toml`, its scenes, and
+//! a caption.
 //!
-//! Panels are scenes rendered as any other picture, and need no code. What is more than scenes side by side is a [`study`]. Either way
-//! a figure becomes a [`FigureContent`], whose files lie with their [`Record`] in `NAME/result/`; `page` and `markdown` write reports from the
-//! records, `golden` holds small versions against those that are kept.
+//! Panels are scenes that are rendered like any other picture; they need no code. A figure that is more than scenes side by side has a
+//! [`study`]. Both give a [`FigureContent`], whose files and [`Record`] are written to `NAME/result/`. `page` and `markdown` write reports
+//! from the records, `golden` compares small versions with the kept ones.
 
 mod content;
 mod context;
@@ -27,20 +27,20 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// What a run makes.
+/// What a run produces.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Figures: folders of `paper_figures/` or the unique ends of their names; empty: all.
+    /// Figures: folders of `paper_figures/`, or unique endings of their names; empty: all.
     pub names: Vec<String>,
     /// Folder for the results and the report; `None`: `paper_figures/`.
     pub out: Option<PathBuf>,
-    /// Small enough for two CPU cores.
+    /// The small version, sized for two CPU cores.
     pub quick: bool,
     /// Pixels of a panel; `None`: the figure's.
     pub size: Option<[u32; 2]>,
-    /// Whether what is made is held against what is kept (`paper_figures/NAME/golden/`).
+    /// Whether results are compared with the kept ones (`paper_figures/NAME/golden/`).
     pub check: bool,
-    /// Whether what is made is kept, with the report in Markdown.
+    /// Whether results replace the kept ones, and the report in Markdown is rewritten.
     pub bless: bool,
 }
 
@@ -56,11 +56,12 @@ pub fn list() -> Result<()> {
     Ok(())
 }
 
-/// Makes figures and writes `index.html`. One that fails or lacks a file is told of, and the rest goes on.
+/// Produces figures and writes `index.html`. A figure that fails or lacks a file is reported, and the others are still produced.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. After all are made: the first fault if one alone was asked
-/// for, or else [`Error::GoalMissed`] with those that failed and those that differ from what is kept. Where all are made, missing assets are no fault.
+/// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. At the end: the error of the figure if only one was asked
+/// for, otherwise [`Error::GoalMissed`] with the figures that failed and the parts that differ from the kept ones. If several figures are
+/// asked for, missing assets are not an error.
 pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
     let names = if options.names.is_empty() { Figure::names()? } else { options.names.clone() };
     let figures = names.iter().map(|name| Figure::find(name)).collect::<Result<Vec<_>>>()?;
@@ -76,7 +77,7 @@ pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
                 say(&format!("  {:.1} s, {}\n", record.seconds, result_folder(root, &name).display()))?;
                 if !record.missing.is_empty() {
                     say(&format!(
-                        "  note: {} is not there; pictures are not kept or compared\n",
+                        "  note: {} not found; pictures are neither kept nor compared\n",
                         record.missing.join(", ")
                     ))?;
                 } else if options.bless {
@@ -106,8 +107,8 @@ pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
     verdict(faults, &differing, figures.len())
 }
 
-fn verdict(mut faults: Vec<(String, Error)>, differing: &[String], made: usize) -> Result<()> {
-    if made == 1 && faults.len() == 1 {
+fn verdict(mut faults: Vec<(String, Error)>, differing: &[String], figures: usize) -> Result<()> {
+    if figures == 1 && faults.len() == 1 {
         return Err(faults.remove(0).1);
     }
     let failed = faults.iter().map(|(name, error)| format!("\n{name}: {error}"));
@@ -116,7 +117,7 @@ fn verdict(mut faults: Vec<(String, Error)>, differing: &[String], made: usize) 
         return Ok(());
     }
     Err(Error::GoalMissed(format!(
-        "{} figures failed, {} parts differ from what is kept:{}",
+        "{} figures failed, {} parts differ from the kept ones:{}",
         faults.len(),
         differing.len(),
         lines.concat()
@@ -134,12 +135,12 @@ fn make(
     let begin = Instant::now();
     let name = name_of(folder);
     let out = result_folder(root, &name);
-    // What an older version of the figure left would be taken for this one's.
+    // Files of an earlier run would be taken for results of this one.
     match std::fs::remove_dir_all(&out) {
         Err(e) if e.kind() != std::io::ErrorKind::NotFound => return Err(Error::io(&out, e)),
         _ => {}
     }
-    std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be made: {e}")))?;
+    std::fs::create_dir_all(&out).map_err(|e| Error::io(&out, format!("cannot be created: {e}")))?;
     let caption = folder.join("caption.md");
     let caption = std::fs::read_to_string(&caption).map_err(|e| Error::io(&caption, e))?;
     let context =

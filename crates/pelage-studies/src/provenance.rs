@@ -1,5 +1,6 @@
-//! What a measurement or a figure says about its making, and where the files are found that it starts from.
+//! The origin of a measurement or a figure, and helpers to find its input files and to write its results.
 
+use pelage_core::files::write_atomically;
 use pelage_core::{Error, Result};
 use pelage_gpu::Gpu;
 use serde::{Deserialize, Serialize};
@@ -7,12 +8,12 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Who made a result, with what, and when.
+/// Program, machine, and time of a result.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Provenance {
     /// Version of the program.
     pub version: String,
-    /// Commit it was built from, or `unknown`.
+    /// Commit that the program was built from, or `unknown`.
     pub commit: String,
     /// The arguments of the process.
     pub command: Vec<String>,
@@ -29,7 +30,7 @@ pub struct Provenance {
 }
 
 impl Provenance {
-    /// Of this process, now, on an open device.
+    /// The provenance of this process, now, on an open device.
     pub fn of(gpu: &Gpu) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -45,6 +46,7 @@ impl Provenance {
 }
 
 /// A time as `2016-07-01T12:00:00Z`; times before 1970 count as 1970.
+// [Hinnant2021] civil_from_days
 pub fn iso_utc(time: SystemTime) -> String {
     let seconds = time.duration_since(UNIX_EPOCH).map_or(0, |d| d.as_secs());
     let (days, rest) = (seconds / 86_400, seconds % 86_400);
@@ -61,11 +63,10 @@ pub fn iso_utc(time: SystemTime) -> String {
     format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
-/// A file or folder of the repository (`scenes/...`, `paper_figures/...`): looked for from the working folder, then from the
-/// folders above the program.
+/// Finds a file or folder of the repository (`scenes/...`, `paper_figures/...`) in the working folder or a folder above the program.
 ///
 /// # Errors
-/// [`Error::Usage`] that says where it was looked for.
+/// [`Error::Usage`] with the folders that were searched.
 pub fn repository_path(relative: &str) -> Result<PathBuf> {
     let program = std::env::current_exe().unwrap_or_default();
     let above = program.ancestors().skip(1).map(Path::to_owned);
@@ -81,13 +82,13 @@ pub fn repository_path(relative: &str) -> Result<PathBuf> {
         })
 }
 
-/// Whether an error says nothing but that files which a scene names are not there.
+/// Whether all faults of an error are missing files that a scene names.
 pub(crate) fn only_files_missing(error: &Error) -> bool {
     let missing = |message: &str| message.contains("is not there");
     matches!(error, Error::Scene(faults) if !faults.is_empty() && faults.iter().all(|f| missing(&f.message)))
 }
 
-/// Prints to stdout. A reader that has gone away is no error.
+/// Prints to stdout. A closed pipe is not an error.
 pub(crate) fn say(text: &str) -> Result<()> {
     let mut stdout = std::io::stdout().lock();
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
@@ -96,12 +97,20 @@ pub(crate) fn say(text: &str) -> Result<()> {
     }
 }
 
+/// Writes a text file, whole or not at all.
+///
+/// # Errors
+/// [`Error::Io`].
+pub(crate) fn write_text(path: &Path, text: &str) -> Result<()> {
+    write_atomically(path, |file| Ok(file.write_all(text.as_bytes())?))
+}
+
 /// Writes a value as JSON, whole or not at all.
 ///
 /// # Errors
 /// [`Error::Io`].
 pub(crate) fn write_json(path: &Path, value: &impl Serialize) -> Result<()> {
-    pelage_core::files::write_atomically(path, |file| {
+    write_atomically(path, |file| {
         serde_json::to_writer_pretty(&mut *file, value)?;
         Ok(file.write_all(b"\n")?)
     })

@@ -1,22 +1,27 @@
-//! What reports share: plots, tables, numbers as people read them.
+//! Parts of reports: plots, tables, and formatted numbers.
 
 pub mod plot;
 
 use std::fmt::Write;
 
-/// A table as it is shown.
+/// A table of formatted cells.
 #[derive(Debug, Clone, Default, PartialEq, serde::Serialize)]
 pub struct Table {
-    /// What it says.
+    /// What it shows.
     pub caption: String,
-    /// Names of the columns.
+    /// Column heads.
     pub head: Vec<String>,
-    /// Cells.
+    /// Cells, row by row.
     pub rows: Vec<Vec<String>>,
 }
 
 impl Table {
-    /// The table in Markdown, its caption above it.
+    /// A table of rows under column heads.
+    pub fn new(caption: impl Into<String>, head: &[&str], rows: Vec<Vec<String>>) -> Self {
+        Self { caption: caption.into(), head: head.iter().map(|name| (*name).to_owned()).collect(), rows }
+    }
+
+    /// The table in Markdown below its caption.
     pub fn markdown(&self) -> String {
         let line = |cells: &[String]| {
             let cells: Vec<String> = cells.iter().map(|cell| cell.replace('|', "\\|")).collect();
@@ -33,12 +38,12 @@ impl Table {
     }
 }
 
-/// Text in HTML.
+/// Escapes text for HTML and SVG.
 pub fn escape(text: &str) -> String {
     text.replace('&', "&amp;").replace('<', "&lt;").replace('>', "&gt;").replace('"', "&quot;")
 }
 
-/// Four significant digits, or as many as a small number needs.
+/// Formats a number: no decimals from 1000, four from 0.01, three significant digits below.
 pub fn number(value: f64) -> String {
     match value.abs() {
         v if !v.is_finite() => value.to_string(),
@@ -48,9 +53,9 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Words as a file name.
-pub fn file_name(words: &str) -> String {
-    let parts = words.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
+/// Turns a label into a file name: lower case, with `_` for everything but ASCII letters and digits.
+pub fn file_name(label: &str) -> String {
+    let parts = label.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
     parts.collect::<Vec<_>>().join("_").to_lowercase()
 }
 

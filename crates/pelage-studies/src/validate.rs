@@ -1,8 +1,8 @@
-//! What the approximations cost: measured against the ground truth, with goals, in a report.
+//! Errors of the approximations against the ground truth, with goals, in a report.
 //!
-//! Each family of experiments is a function from a [`Lab`] to a [`Section`] of plain data: findings with their goals, tables, curves,
-//! pictures. [`run`] collects them in a [`Report`], [`html`] writes it. Nothing here renders by a way of its own: the approximations
-//! are [`pelage_render`], the truth is [`pelage_pathtrace`].
+//! An experiment is a function from a [`Lab`] to a [`Section`] of plain data: findings with their goals, tables, curves, and pictures. [`run`]
+//! collects the sections in a [`Report`], and [`html`] writes it. The approximations are those of [`pelage_render`], the ground truth is
+//! [`pelage_pathtrace`].
 
 pub mod furnace;
 pub mod html;
@@ -13,10 +13,9 @@ pub mod volume;
 
 pub use lab::Lab;
 
-use crate::provenance::{Provenance, write_json};
-use crate::report;
-use crate::report::Table;
+use crate::provenance::{Provenance, write_json, write_text};
 use crate::report::plot::Plot;
+use crate::report::{self, Table};
 use pelage_core::{Error, Result};
 use pelage_render::Progress;
 use serde::{Deserialize, Serialize};
@@ -24,46 +23,46 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// How much is measured.
+/// Extent of a validation.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Level {
-    /// A few minutes: fewer cases, smaller and noisier pictures. Goals are the same.
+    /// A few minutes: fewer cases, smaller and noisier images. The goals are the same.
     Quick,
-    /// Within half an hour on two cores.
+    /// At most half an hour on two cores.
     #[default]
     Usual,
-    /// All cases, larger pictures, more samples.
+    /// All cases, larger images, more samples.
     Full,
 }
 
-/// What is measured and where it is written.
+/// Settings of a validation.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// How much.
+    /// Extent.
     pub level: Level,
     /// Folder of the report.
     pub out: PathBuf,
     /// Names of experiments; empty: all.
     pub only: Vec<String>,
-    /// Parts of the names of the cases of those that compare pictures; empty: all.
+    /// Parts of case names, for the experiments that compare images; empty: all.
     pub cases: Vec<String>,
 }
 
-/// What a value must be.
+/// A condition on a value.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Goal {
-    /// No more than this.
+    /// At most this.
     AtMost(f64),
-    /// No less than this.
+    /// At least this.
     AtLeast(f64),
-    /// One, give or take this.
+    /// 1 ± this.
     OneWithin(f64),
 }
 
 impl Goal {
-    /// Whether `value` is what it must be; what is not a number is not.
+    /// Whether `value` meets the goal; NaN does not.
     pub fn met(self, value: f64) -> bool {
         match self {
             Self::AtMost(limit) => value <= limit,
@@ -86,24 +85,24 @@ impl std::fmt::Display for Goal {
 /// One number about one approximation.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Finding {
-    /// What is approximated, or which model is tested.
+    /// The approximation, or the model.
     pub approximation: String,
-    /// Where it was measured.
+    /// The case in which it was measured.
     pub case: String,
-    /// What the number is.
+    /// Name of the metric.
     pub metric: String,
-    /// The number.
+    /// Value of the metric.
     pub value: f64,
-    /// What it must be; `None`: it is only told.
+    /// Goal; `None`: the value is only reported.
     pub goal: Option<Goal>,
-    /// Whether it is.
+    /// Whether the goal is met; `None` without a goal.
     pub met: Option<bool>,
-    /// Time that it took to compute the approximation, s; `None` where that says nothing.
+    /// Time to compute the approximation, s; `None` if it is not meaningful.
     pub seconds: Option<f64>,
 }
 
 impl Finding {
-    /// A number with its goal.
+    /// A value with its goal.
     pub fn new(approximation: &str, case: &str, metric: &str, value: f64, goal: Option<Goal>) -> Self {
         Self {
             approximation: approximation.to_owned(),
@@ -116,7 +115,7 @@ impl Finding {
         }
     }
 
-    /// With the time that it took.
+    /// Sets the time taken, s.
     pub fn in_seconds(self, seconds: f64) -> Self {
         Self { seconds: Some(seconds), ..self }
     }
@@ -131,12 +130,12 @@ pub struct Picture {
     pub caption: String,
 }
 
-/// A table with the pictures that it is about.
+/// A table and the pictures that belong to it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Exhibit {
-    /// The table, if any.
+    /// Table, if any.
     pub table: Option<Table>,
-    /// Pictures side by side.
+    /// Pictures, shown side by side.
     pub pictures: Vec<Picture>,
 }
 
@@ -147,28 +146,28 @@ pub struct Section {
     pub name: String,
     /// Heading.
     pub title: String,
-    /// What is measured, how, and what it does not say; paragraphs.
+    /// Paragraphs about what is measured, how, and with which limits.
     pub text: Vec<String>,
-    /// Numbers with their goals.
+    /// Findings.
     pub findings: Vec<Finding>,
     /// Curves.
     pub plots: Vec<Plot>,
-    /// More numbers, and pictures.
+    /// Tables and pictures.
     pub exhibits: Vec<Exhibit>,
-    /// What was left out, and why.
+    /// Cases that were left out, with the reason.
     pub skipped: Vec<String>,
     /// Time taken, s.
     pub seconds: f64,
 }
 
-/// Everything that was found.
+/// Results of a validation.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     /// Adapter, driver, version, date, command.
     pub provenance: Provenance,
-    /// CPU threads.
+    /// Number of CPU threads.
     pub threads: usize,
-    /// How much was measured.
+    /// Extent.
     pub level: Level,
     /// Time taken, s.
     pub seconds: f64,
@@ -190,7 +189,7 @@ impl Report {
     /// Whether all goals are met.
     ///
     /// # Errors
-    /// [`Error::GoalMissed`] with those that are not.
+    /// [`Error::GoalMissed`] with the goals that are missed.
     pub fn verdict(&self) -> Result<()> {
         let line = |f: &Finding| {
             let goal = f.goal.map_or(String::new(), |goal| goal.to_string());
@@ -205,17 +204,18 @@ impl Report {
     }
 }
 
-/// An experiment: its name, what it is about, and its usual share of the time.
+/// An experiment.
 pub struct Experiment {
     /// Name, as `--only` takes it.
     pub name: &'static str,
-    /// In a few words.
+    /// Heading of its section.
     pub title: &'static str,
+    /// Usual share of the total time.
     share: f32,
     run: fn(&Lab) -> Result<Section>,
 }
 
-/// All experiments in the order of the report.
+/// All experiments, in the order of the report.
 pub static EXPERIMENTS: [Experiment; 4] = [
     Experiment {
         name: "transmittance",
@@ -238,18 +238,18 @@ pub static EXPERIMENTS: [Experiment; 4] = [
     Experiment { name: "hybrid", title: "Hybrid fur against path tracing", share: 16.0, run: hybrid::run },
 ];
 
-/// Makes the experiments and writes `report.html`, `report.json` and pictures. The report is written anew after each of them.
+/// Runs the experiments and writes `report.html`, `report.json` and pictures. The report is rewritten after each experiment.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown name or where the repository's scenes are not found, [`Error::Interrupted`], [`Error::Io`], and
-/// those of rendering.
+/// [`Error::Usage`] for an unknown name or if the repository's scenes are not found; [`Error::Interrupted`]; [`Error::Io`]; those of
+/// rendering.
 pub fn run(options: &Options, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Result<Report> {
     let chosen: Vec<&Experiment> = match &options.only[..] {
         [] => EXPERIMENTS.iter().collect(),
         names => names.iter().map(|name| find(name)).collect::<Result<_>>()?,
     };
     std::fs::create_dir_all(&options.out)
-        .map_err(|e| Error::io(&options.out, format!("cannot be made: {e}")))?;
+        .map_err(|e| Error::io(&options.out, format!("cannot be created: {e}")))?;
     let gpu = pelage_render::open()?;
     let started = Instant::now();
     let mut report = Report {
@@ -293,8 +293,5 @@ fn find(name: &str) -> Result<&'static Experiment> {
 /// [`Error::Io`].
 pub fn write(report: &Report, options: &Options) -> Result<()> {
     write_json(&options.out.join("report.json"), report)?;
-    let text = html::page(report);
-    pelage_core::files::write_atomically(&options.out.join("report.html"), |file| {
-        Ok(std::io::Write::write_all(file, text.as_bytes())?)
-    })
+    write_text(&options.out.join("report.html"), &html::page(report))
 }

@@ -1,11 +1,11 @@
-//! What papers printed: Table 1 of Andersen et al. 2016 (Quadro K6000, 3840 x 2274, one frame), the bunny of Lengyel et al. 2001.
+//! Measurements from papers: Table 1 of Andersen et al. 2016 (Quadro K6000, 3840 x 2274, one frame), and the bunny of Lengyel et al. 2001.
 
 use serde::Serialize;
 
 /// A column of the table.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Column {
-    /// The scene, as our scene file is called.
+    /// Name of our scene file without folder and extension.
     pub scene: &'static str,
     /// Triangles of the skin.
     pub triangles: u32,
@@ -21,7 +21,8 @@ pub struct Column {
     pub total_gigabytes: f64,
 }
 
-/// Andersen et al. 2016, table 1. The shell is step 4 and the base mesh step 5 there, as here; its text has them the other way round.
+/// Table 1 of the paper. As here, the shell is step 4 and the base mesh step 5; the paper's text numbers them the other way round.
+// [Andersen2016] table 1
 pub const TABLE_1: [Column; 3] = [
     Column {
         scene: "cylinder",
@@ -52,26 +53,27 @@ pub const TABLE_1: [Column; 3] = [
     },
 ];
 
-/// Frames a second of shells and fins.
+/// Frames per second of shells and fins.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rates {
     /// The model.
     pub model: &'static str,
-    /// Its triangles.
+    /// Number of triangles.
     pub triangles: u32,
-    /// Its layers.
+    /// Number of layers.
     pub layers: u32,
-    /// Frames a second with all layers.
+    /// Frames per second with all layers.
     pub fps_all: f64,
-    /// Frames a second with half of them.
+    /// Frames per second with half of the layers.
     pub fps_half: f64,
 }
 
-/// The bunny of Lengyel et al. 2001, Table 1: GeForce DDR, AMD K7 of 700 MHz; the size of the picture is not given.
+/// The bunny on a GeForce DDR and an AMD K7 of 700 MHz; the paper does not give the size of the picture.
+// [Lengyel2001] table 1
 pub const LENGYEL_BUNNY: Rates =
     Rates { model: "bunny", triangles: 5000, layers: 16, fps_all: 12.0, fps_half: 23.0 };
 
-/// The paper's column for a scene file with this name (without folder and extension).
+/// The paper's column for a scene file, by its name without folder and extension.
 pub fn column(scene: &str) -> Option<&'static Column> {
     TABLE_1.iter().find(|c| c.scene == scene)
 }
@@ -81,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn sums_are_the_printed_ones() {
+    fn columns_add_up_to_the_printed_sums() {
         for c in TABLE_1 {
             let pre: f64 = c.ms[..3].iter().sum();
             let online: f64 = c.ms[3..].iter().sum();

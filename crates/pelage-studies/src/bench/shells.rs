@@ -1,11 +1,11 @@
-//! `pelage bench --shells`: frames a second of shells and fins, beside those of Lengyel et al. 2001, and how the cost grows with
+//! `pelage bench --shells`: frames per second of shells and fins, beside those of Lengyel et al. 2001, and the growth of the cost with
 //! layers and triangles.
 //!
-//! A frame is everything that a new view costs: rows of vertices placed and lit, skin, fins, shells. Nothing is read back and no film
-//! is filtered. The program waits for the device after the rows and again after the picture, so that short frames measure latency:
-//! what is left of a frame beside its passes is in the column "rest".
+//! A frame is all that is computed for a new view: placing and lighting the rows of vertices, and drawing skin, fins and shells. Nothing is
+//! read back, and no film is filtered. The program waits for the device after the rows and after the picture, so that short frames
+//! measure latency; the time of a frame without its passes is in the column "rest".
 
-use super::{Skipped, Times, cell, name_of, paper};
+use super::{Skipped, Times, cell, load_world, name_of, overrides, paper};
 use crate::provenance::{Provenance, only_files_missing, say, write_json};
 use glam::Vec2;
 use pelage_core::assets::Assets;
@@ -13,23 +13,22 @@ use pelage_core::{Error, Result, Scene, World};
 use pelage_fur::camera;
 use pelage_gpu::Gpu;
 use pelage_gpu::recorder::Timings;
-use pelage_shells::shellfin;
-use pelage_shells::shellfin::{Pictures, Pose, Shellfins};
+use pelage_shells::shellfin::{self, Pictures, Pose, Shellfins};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 
-/// Image size where none is asked for.
+/// Default image size.
 pub const SIZE: [u32; 2] = [640, 480];
-/// Numbers of layers where none are asked for.
+/// Default numbers of layers.
 pub const LAYERS: [u32; 5] = [4, 8, 16, 32, 64];
-/// Meshes measured where no scene is given, below the asset folders; the first is the one of all tables.
+/// Default meshes, relative to the asset folders; all tables use the first.
 const MESHES: [&str; 4] =
     ["meshes/bunny-5k.obj", "meshes/spot.obj", "meshes/spot-23k.obj", "meshes/stanford-bunny.obj"];
-/// Frames before the clock starts.
+/// Frames before the measurement.
 const WARM_UP: u32 = 2;
 
-/// The scene of a mesh: the layers, textures and lighting of Lengyel et al. 2001, fur as high as a fiftieth of the body.
+/// The scene of a mesh, with the layers, textures and lighting of Lengyel et al. 2001. The fur's height is a fiftieth of the body.
 const SCENE: &str = r#"
 [mesh]
 size = 10
@@ -50,24 +49,24 @@ height = 0.2
 lighting = "table"
 "#;
 
-/// What is measured.
+/// Settings of a measurement.
 #[derive(Debug, Clone, Default)]
 pub struct Options {
-    /// Scene files; empty: a furry bunny, and other meshes for the growth with triangles.
+    /// Scene files; empty: a furry bunny, and other meshes to measure the growth with triangles.
     pub scenes: Vec<PathBuf>,
     /// Image size; `None`: 640x480.
     pub size: Option<[u32; 2]>,
-    /// Frames of each; at least 1.
+    /// Frames of each fur; at least 1.
     pub runs: u32,
-    /// Numbers of layers that are compared; empty: 4, 8, 16, 32, 64.
+    /// Numbers of layers to compare; empty: 4, 8, 16, 32, 64.
     pub layers: Vec<u32>,
     /// GPU memory budget, bytes; `None`: the scene's.
     pub memory: Option<u64>,
-    /// Where the results are written as JSON.
+    /// JSON file for the results.
     pub json: Option<PathBuf>,
 }
 
-/// Frames a second.
+/// Frames per second.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize)]
 pub struct Rate {
     /// Of the fastest frame.
@@ -76,7 +75,7 @@ pub struct Rate {
     pub median: f64,
 }
 
-/// One fur.
+/// Measurements of one fur.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
     /// The scene.
@@ -85,56 +84,56 @@ pub struct Row {
     pub triangles: u32,
     /// Edges that may carry fins.
     pub edges: u32,
-    /// Shells drawn.
+    /// Number of shells drawn.
     pub shells: u32,
     /// Height of the fur, cm.
     pub height: f32,
-    /// Height that its textures stand for, cm.
+    /// Height for which its textures were baked, cm.
     pub baked_height: f32,
-    /// Frames a second, by the clock.
+    /// Frames per second, wall-clock.
     pub fps: Rate,
-    /// A frame by the clock.
+    /// Wall-clock time of a frame.
     pub frame_ms: Times,
-    /// Rows of vertices placed and lit; this and what follows by the device, `None` where it has no timestamps.
+    /// GPU time to place and light the rows of vertices; `None`, as for the next three, if the adapter has no timestamps.
     pub rows_ms: Option<Times>,
-    /// The skin.
+    /// GPU time of the skin.
     pub skin_ms: Option<Times>,
-    /// The fins.
+    /// GPU time of the fins.
     pub fins_ms: Option<Times>,
-    /// The shells.
+    /// GPU time of the shells.
     pub shells_ms: Option<Times>,
-    /// What a frame takes beside its passes: uploads, bindings, waiting.
+    /// Time of a frame outside its passes: uploads, bindings, waiting.
     pub rest_ms: Option<Times>,
-    /// Once, before the first frame: textures, baked or read, ms.
+    /// Once, before the first frame: time to bake or read the textures, ms.
     pub textures_ms: f64,
-    /// Once: laying them on the skin, the light in the fur, uploads, compilation, ms.
+    /// Once: time to lay them on the skin, light the fur, upload and compile, ms.
     pub laying_ms: f64,
-    /// Bytes on the device at most.
+    /// Most bytes allocated on the device at once.
     pub peak_bytes: u64,
 }
 
-/// Everything that was measured.
+/// Results of a measurement.
 #[derive(Debug, Clone, Serialize)]
 pub struct Report {
     /// Adapter, driver, version, date, command.
     pub provenance: Provenance,
     /// Pixels, one sample each.
     pub size: [u32; 2],
-    /// Frames of each.
+    /// Frames of each fur.
     pub runs: u32,
     /// The paper's bunny.
     pub paper: paper::Rates,
-    /// For each scene all of its layers, then half of them.
+    /// For each scene: all layers, then half of them.
     pub frames: Vec<Row>,
-    /// The first scene with as many layers as were asked for, over the same height.
+    /// The first scene with each number of layers, over the same height.
     pub layers: Vec<Row>,
-    /// All layers, by triangles; empty for one scene.
+    /// All scenes with all layers, by number of triangles; empty for one scene.
     pub triangles: Vec<Row>,
-    /// What could not be measured, and why.
+    /// Furs that could not be measured.
     pub skipped: Vec<Skipped>,
 }
 
-/// Measures, prints as Markdown to stdout, and writes the JSON file if one is asked for.
+/// Measures, prints the results as Markdown to stdout, and writes the JSON file if one is set.
 ///
 /// # Errors
 /// Those of [`measure`]; [`Error::Io`] if the JSON file cannot be written.
@@ -143,12 +142,12 @@ pub fn run(options: &Options) -> Result<()> {
     options.json.as_ref().map_or(Ok(()), |path| write_json(path, &report))
 }
 
-/// Measures; `print` gets each part as Markdown when it is there. A scene whose mesh or map is missing, and a fur that does not fit the
-/// device, is skipped and reported.
+/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh or map is missing, and a fur that does not
+/// fit the device, are reported and skipped.
 ///
 /// # Errors
-/// [`Error::Usage`] if a scene file is not there, [`Error::Scene`] if it is not valid; what [`shellfin::textures`], [`Shellfins::new`] and
-/// [`Shellfins::draw`] return, but for [`Error::OutOfMemory`].
+/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid; those of [`shellfin::textures`],
+/// [`Shellfins::new`] and [`Shellfins::draw`], except [`Error::OutOfMemory`].
 pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> Result<Report> {
     let gpu = pelage_render::open()?;
     let size = options.size.unwrap_or(SIZE);
@@ -169,12 +168,11 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
         p.adapter, p.backend, p.driver, p.version, p.date, size[0], size[1], report.runs
     ))?;
     let worlds = worlds(options, size, &mut report.skipped)?;
-    // What is skipped for want of a file is said before the tables.
     for skipped in &report.skipped {
         print(&format!("\n{}: skipped: {}\n", skipped.scene, skipped.reason))?;
     }
     let counts = if options.layers.is_empty() { &LAYERS[..] } else { &options.layers };
-    // The meshes after the first are there for the growth with triangles.
+    // The meshes after the first only serve to measure the growth with triangles.
     let halved = if options.scenes.is_empty() { 1 } else { worlds.len() };
     for (i, (name, world)) in worlds.iter().enumerate() {
         let Some(all) = report.row(&gpu, world, name, print)? else { continue };
@@ -190,7 +188,7 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
         if i == 0 {
             for count in counts {
                 if world.textures.is_some() && *count > all.shells {
-                    let reason = format!("{count} layers: the textures that it names have {}", all.shells);
+                    let reason = format!("{count} layers: its textures have {}", all.shells);
                     print(&format!("\n{name}: skipped: {reason}\n"))?;
                     report.skipped.push(Skipped { scene: name.clone(), reason });
                     continue;
@@ -210,12 +208,10 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
     Ok(report)
 }
 
-/// The furs that are measured, by name, at one sample a pixel.
+/// The furs to measure, by name, at one sample a pixel.
 fn worlds(options: &Options, size: [u32; 2], skipped: &mut Vec<Skipped>) -> Result<Vec<(String, World)>> {
-    let mut overrides: Vec<String> =
-        vec!["film.spp=1".into(), format!("film.width={}", size[0]), format!("film.height={}", size[1])];
+    let mut overrides = overrides(size, options.memory);
     overrides.push("render.fur=shells".into());
-    overrides.extend(options.memory.map(|bytes| format!("render.memory={bytes}")));
     let of_mesh = |key: &str, value: &str| {
         let all: Vec<String> = overrides.iter().cloned().chain([format!("mesh.{key}={value}")]).collect();
         let scene = Scene::parse(SCENE, "bench", &all)?;
@@ -234,17 +230,13 @@ fn worlds(options: &Options, size: [u32; 2], skipped: &mut Vec<Skipped>) -> Resu
         Err(e) => Err(e),
     };
     for path in &options.scenes {
-        if !path.is_file() {
-            return Err(Error::Usage(format!("{}: there is no such scene file", path.display())));
-        }
-        let world = Scene::load(path, &overrides).and_then(|(scene, assets)| World::load(scene, &assets));
-        take(name_of(path), world)?;
+        take(name_of(path), load_world(path, &overrides))?;
     }
     if options.scenes.is_empty() {
         for mesh in MESHES {
             take(name_of(Path::new(mesh)), of_mesh("path", mesh))?;
         }
-        // A shape that needs no file stands in for the bunny.
+        // Without the bunny, a built-in shape takes its place.
         if !found.iter().any(|(name, _)| *name == name_of(Path::new(MESHES[0]))) {
             found.insert(0, ("critter".into(), of_mesh("shape", "critter")?));
         }
@@ -253,7 +245,7 @@ fn worlds(options: &Options, size: [u32; 2], skipped: &mut Vec<Skipped>) -> Resu
 }
 
 impl Report {
-    /// Measures a fur; `None`, noted, if it does not fit the device.
+    /// Measures a fur; `None`, noted in the report, if it does not fit the device.
     fn row(
         &mut self,
         gpu: &Gpu,
@@ -277,7 +269,7 @@ impl Row {
     /// Draws `runs` frames of `world`, called `name`.
     ///
     /// # Errors
-    /// What [`shellfin::textures`], [`Shellfins::new`], [`Shellfins::rows`] and [`Shellfins::draw`] return.
+    /// Those of [`shellfin::textures`], [`Shellfins::new`], [`Shellfins::rows`] and [`Shellfins::draw`].
     pub fn measure(gpu: &Gpu, world: &World, name: &str, runs: u32) -> Result<Self> {
         let scene = &world.scene;
         let size = [scene.film.width, scene.film.height];
@@ -303,7 +295,7 @@ impl Row {
             one()?;
         }
         let frames = (0..runs.max(1)).map(|_| one()).collect::<Result<Vec<_>>>()?;
-        // What is not drawn takes no time.
+        // A pass that was not drawn took no time.
         let pass = |timings: &Timings, label: &str| timings.passes.get(label).map_or(Some(0.0), |p| p.0);
         let of = |label: &str| Times::of(frames.iter().map(|(_, _, t)| pass(t, label)));
         let rest = |ms: f64, timings: &Timings| {
@@ -331,7 +323,7 @@ impl Row {
         })
     }
 
-    /// The world of this row with `layers` layers over the same height; of textures that it names the innermost are drawn.
+    /// The world of this row with `layers` layers over the same height; of textures read from files, the innermost layers are drawn.
     pub(crate) fn with_layers(&self, world: &World, layers: u32) -> World {
         let mut world = world.clone();
         let scene = &mut world.scene;
@@ -351,7 +343,7 @@ fn milliseconds(since: Instant) -> f64 {
     since.elapsed().as_secs_f64() * 1e3
 }
 
-/// Rows as Markdown; with the paper's rates beside all layers and half of them.
+/// Rows as a Markdown table, and the paper's rates if given.
 fn table(title: &str, rows: &[Row], paper: Option<paper::Rates>) -> String {
     let mut text = format!("\n{title}; times are medians, ms\n\n");
     text += "| scene              | triangles | shells | fps, median |  fps, best |  frame |   rows |   skin |   fins | shells |   rest | textures, once | laying, once |\n";

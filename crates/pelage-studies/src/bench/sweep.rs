@@ -1,6 +1,6 @@
-//! Comparisons: the same fur rendered in several ways.
+//! Comparisons: the same fur with different methods or amounts.
 
-use super::{MEBIBYTE, Times, cell, mebibytes, repeat};
+use super::{MEBIBYTE, Times, cell, mebibytes, repeat, steps_ms};
 use pelage_core::scene::{Blend, FurLayers, Scalar, Storage};
 use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, World};
@@ -9,14 +9,14 @@ use pelage_render::FRAGMENT_BYTES;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Image size where none is asked for.
+/// Default image size.
 pub const SIZE: [u32; 2] = [960, 568];
-/// Virtual fragments a ray of the comparison.
+/// Virtual fragments per ray in the comparison.
 const VIRTUAL_FRAGMENTS: u32 = 30;
-/// Largest subdivision level of the comparison.
+/// Deepest subdivision level of the comparison.
 const DEEPEST: u32 = 6;
 
-/// What is compared.
+/// A kind of comparison.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Sweep {
@@ -28,39 +28,39 @@ pub enum Sweep {
     Strands,
 }
 
-/// One way to render.
+/// Measurements of one variant.
 #[derive(Debug, Clone, Serialize)]
 pub struct Row {
-    /// Which way.
+    /// Name of the variant.
     pub label: String,
-    /// GPU time of what is compared; `None` where the adapter has no timestamps.
+    /// GPU time of the compared steps; `None` if the adapter has no timestamps.
     pub ms: Option<Times>,
-    /// Smallest time divided by that of the first row of the same group.
+    /// Smallest time by that of the first row of the same group.
     pub ratio: Option<f64>,
     /// Bytes of all fragments.
     pub fragment_bytes: u64,
-    /// Why there is no time.
+    /// The reason if the variant could not be measured.
     pub failed: Option<String>,
     /// Counts of the last run.
     pub stats: Option<Stats>,
 }
 
-/// A comparison.
+/// Results of a comparison.
 #[derive(Debug, Clone, Serialize)]
 pub struct Subtable {
-    /// What is compared.
+    /// Kind of comparison.
     pub sweep: Sweep,
-    /// The same for people, with what the time stands for.
+    /// Title, with the steps whose time is compared.
     pub title: String,
     /// Name of the scene.
     pub scene: String,
     /// Pixels.
     pub size: [u32; 2],
-    /// The ways.
+    /// The variants.
     pub rows: Vec<Row>,
 }
 
-/// A way to render: its label, the change of the scene, and whether a group begins with it.
+/// A world to render, its label, and whether it is the first of a group.
 struct Variant {
     label: String,
     first: bool,
@@ -68,10 +68,10 @@ struct Variant {
 }
 
 impl Sweep {
-    /// Renders `world`, called `name`, in all ways, `runs` times each. A way that does not fit the memory is reported as such.
+    /// Renders all variants of `world`, called `name`, `runs` times each. A variant that does not fit the memory has a row with the reason.
     ///
     /// # Errors
-    /// Those of [`pelage_shells::render_on`], but for [`Error::OutOfMemory`].
+    /// Those of [`pelage_shells::render_on`], except [`Error::OutOfMemory`].
     pub fn measure(self, gpu: &Gpu, world: &World, name: &str, runs: u32) -> Result<Subtable> {
         let (title, variants) = match self {
             Self::Blend => ("blending; time of steps 4, 6 and 7".into(), blends(world)),
@@ -113,12 +113,12 @@ impl Sweep {
         Ok(Subtable { sweep: self, title, scene: name.to_owned(), size: [film.width, film.height], rows })
     }
 
-    /// The time that is compared.
+    /// GPU time of the compared steps, ms.
     fn time(self, stats: &Stats) -> Option<f64> {
         match self {
-            Self::Blend => steps(stats, &[4, 6, 7]),
-            Self::Strands => steps(stats, &[3, 6, 7]),
-            // The march alone: with undercoat only, resolving is marching.
+            Self::Blend => steps_ms(stats, &[4, 6, 7]),
+            Self::Strands => steps_ms(stats, &[3, 6, 7]),
+            // Only the march: with undercoat alone, resolve does nothing else.
             Self::Subdivision => stats
                 .passes
                 .iter()
@@ -127,10 +127,6 @@ impl Sweep {
                 .sum(),
         }
     }
-}
-
-fn steps(stats: &Stats, chosen: &[u32]) -> Option<f64> {
-    stats.steps.iter().filter(|s| chosen.contains(&s.step)).map(|s| s.ms).sum()
 }
 
 fn blends(world: &World) -> Vec<Variant> {
@@ -148,7 +144,7 @@ fn blends(world: &World) -> Vec<Variant> {
     ]
 }
 
-/// Undercoat alone, with as many layers as fit stored at the deepest level.
+/// Undercoat alone, with as many layers as can be stored at the deepest level.
 fn subdivisions(gpu: &Gpu, world: &World) -> (String, Vec<Variant>) {
     let deepest = (world.skin.triangles.len().max(1) as u64) << (2 * DEEPEST);
     let fit = gpu.binding_limit().min(world.scene.render.memory / 2) / (4 * deepest);
@@ -168,24 +164,29 @@ fn subdivisions(gpu: &Gpu, world: &World) -> (String, Vec<Variant>) {
     (format!("subdivision level, undercoat alone, {layers} layers; time of the march"), variants)
 }
 
+/// Multiplies the density of the guard hairs.
+pub(crate) fn multiply_strands(world: &mut World, factor: f32) {
+    match &mut world.scene.guard.density {
+        Scalar::Constant(density) => *density *= factor,
+        Scalar::Mapped(map) => {
+            map.value *= factor;
+            map.offset *= factor;
+        }
+    }
+}
+
 fn strands(world: &World) -> Vec<Variant> {
     [1.0, 2.0, 4.0, 8.0, 16.0]
         .map(|factor: f32| {
             let mut world = world.clone();
-            match &mut world.scene.guard.density {
-                Scalar::Constant(v) => *v *= factor,
-                Scalar::Mapped(m) => {
-                    m.value *= factor;
-                    m.offset *= factor;
-                }
-            }
+            multiply_strands(&mut world, factor);
             Variant { label: format!("{factor} x"), first: factor == 1.0, world }
         })
         .into()
 }
 
 impl Subtable {
-    /// As a Markdown table.
+    /// The comparison as a Markdown table.
     pub fn markdown(&self) -> String {
         let [width, height] = self.size;
         let mut text = format!("\n{}, {width} x {height}, 1 spp: {}\n\n", self.scene, self.title);

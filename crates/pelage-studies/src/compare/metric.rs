@@ -1,4 +1,4 @@
-//! The metrics over a region, their names and their limits.
+//! Metrics over a region, their names, and their limits.
 
 use super::{OCTAVES, Pair, RELATIVE_FLOOR, finite, rgb, spectrum::Octaves};
 use pelage_core::film::tonemap::luminance;
@@ -28,12 +28,11 @@ pub struct Metrics {
     pub hdr_flip: f64,
     /// Mean luminance of the image divided by that of the reference.
     pub luminance_ratio: f64,
-    /// As the luminance ratio, for each of R, G and B.
+    /// Mean of the image divided by that of the reference, for each of R, G and B.
     pub color_ratio: [f64; 3],
-    /// Power of the luminance's detail in the image divided by that in the reference, each relative to its own mean
-    /// luminance squared, in octaves: periods of about 3, 6, 13 and 26 pixels. Less than 1 is too soft, more is too crisp or
-    /// noisy. Noise is taken off where a film has the means of two halves of its samples, as a reference has; else it counts as
-    /// detail.
+    /// Power of the luminance's detail in the image divided by that in the reference, each relative to the square of its own mean
+    /// luminance, in octaves: periods of about 3, 6, 13 and 26 pixels. Below 1 the image is too soft, above it too crisp or noisy. Noise
+    /// is subtracted if a film holds the means of two halves of its samples, like a path traced reference; otherwise it counts as detail.
     pub detail_ratio: [f64; OCTAVES],
     /// Mean absolute difference of alpha.
     pub alpha_difference: f64,
@@ -41,16 +40,16 @@ pub struct Metrics {
     pub max_abs: f64,
 }
 
-/// What is computed for each pixel before it is averaged over regions.
+/// Per-pixel values that are averaged over regions.
 pub(super) struct Maps {
     /// Squared difference of the encoded luminance.
     pub squares: Vec<f64>,
     pub ssim: Vec<f64>,
     pub flip: Vec<f32>,
     pub hdr_flip: Vec<f32>,
-    /// Of the image, of the reference.
+    /// Of the image and of the reference.
     pub detail: [Octaves; 2],
-    /// The noise of each, where it is known.
+    /// Noise of each, if known.
     pub noise: [Option<Octaves>; 2],
 }
 
@@ -93,7 +92,7 @@ impl Metrics {
             }
         }
         let values = 3.0 * counted as f64;
-        // Equal sums, both zero among them, are equal.
+        // Also 1 if both sums are zero.
         let ratio = |[image, reference]: [f64; 2]| if image == reference { 1.0 } else { image / reference };
         Self {
             pixels: counted,
@@ -111,7 +110,7 @@ impl Metrics {
         }
     }
 
-    /// One line for each metric that is past its limit.
+    /// The metrics past their limits, one line each.
     pub(super) fn exceeds(&self, limits: &Thresholds) -> Vec<String> {
         let mut lines = Vec::new();
         for metric in &METRICS {
@@ -137,7 +136,7 @@ impl Metrics {
     }
 }
 
-/// Limits for [`Comparison::exceeds`](super::Comparison::exceeds); what is `None` is not looked at.
+/// Limits for [`Comparison::exceeds`](super::Comparison::exceeds); `None`: no limit.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Thresholds {
     /// Largest [`Metrics::rmse`].
@@ -164,26 +163,26 @@ pub struct Thresholds {
     pub max_abs: Option<f64>,
 }
 
-/// What a limit of a metric means.
+/// The meaning of a metric's limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sense {
-    /// Zero for equal images, the limit is the largest.
+    /// Zero for equal images; the limit is the largest value.
     AtMost,
-    /// Large for equal images, the limit is the smallest.
+    /// Large for equal images; the limit is the smallest value.
     AtLeast,
-    /// One for equal images, the limit is the largest distance from it.
+    /// One for equal images; the limit is the largest distance from 1.
     Ratio,
 }
 
-/// A metric as it is printed and limited.
+/// How a metric is printed and limited.
 pub struct Metric {
-    /// As printed.
+    /// Printed name.
     pub name: &'static str,
-    /// What its values are called where there are more than one.
+    /// Names of its values if there is more than one.
     pub parts: &'static [&'static str],
-    /// What its limit means.
+    /// Meaning of its limit.
     pub sense: Sense,
-    /// Its values, one or as many as [`Metric::parts`].
+    /// Its values: one, or one for each of [`Metric::parts`].
     pub values: fn(&Metrics) -> Vec<f64>,
     /// Its limit.
     pub limit: fn(&Thresholds) -> Option<f64>,
@@ -220,7 +219,7 @@ macro_rules! metric {
     };
 }
 
-/// All metrics, in the order in which they are printed.
+/// All metrics in printing order.
 pub static METRICS: [Metric; 11] = [
     metric!("RMSE", rmse, AtMost),
     metric!("relative MSE", relative_mse, AtMost),

@@ -1,4 +1,4 @@
-//! SSIM, FLIP and HDR-FLIP, each as a map.
+//! SSIM, FLIP and HDR-FLIP of each pixel.
 
 use super::rgb;
 use pelage_core::film::tonemap::{luminance, srgb_encode, tone_map};
@@ -6,22 +6,22 @@ use pelage_core::scene::Tonemap;
 use pelage_core::{Error, Result};
 use rayon::prelude::*;
 
-/// HDR-FLIP takes no more exposures than this, wherever the reference's range would lead it.
+/// Largest number of exposures of HDR-FLIP.
 const MOST_EXPOSURES: f64 = 24.0;
 
-/// FLIP error of each pixel, of sRGB-encoded colours in 8 bits.
+/// FLIP error of each pixel, on sRGB-encoded colours of 8 bits.
 pub(super) fn flip(image: &[[f32; 4]], reference: &[[f32; 4]], size: [usize; 2]) -> Result<Vec<f32>> {
     flip_of(image, reference, size, &|p| [p[0], p[1], p[2]])
 }
 
-/// FLIP error of each pixel after `display`, which gives display-linear colours.
+/// FLIP error of each pixel; `display` maps pixels to display-linear colours.
 fn flip_of(
     image: &[[f32; 4]],
     reference: &[[f32; 4]],
     size: [usize; 2],
     display: &dyn Fn(&[f32; 4]) -> [f32; 3],
 ) -> Result<Vec<f32>> {
-    // The library counts bytes in 32 bits.
+    // nv_flip counts bytes in 32 bits.
     if image.len() > (u32::MAX / 4) as usize {
         return Err(Error::Unsupported(format!("{} x {} pixels are too many for FLIP", size[0], size[1])));
     }
@@ -34,21 +34,21 @@ fn flip_of(
     Ok(nv_flip::flip(of(reference), of(image), nv_flip::DEFAULT_PIXELS_PER_DEGREE).to_vec())
 }
 
-/// What [`hdr_flip`] gives.
+/// Result of [`hdr_flip`].
 pub(super) struct HdrFlip {
-    /// Error of each pixel: the largest over the exposures.
+    /// Error of each pixel, the largest over the exposures.
     pub map: Vec<f32>,
     /// First and last exposure, stops.
     pub exposures: [f64; 2],
 }
 
-/// FLIP over a range of exposures about a stop apart, from the one that shows the reference's brightest pixel to the one that
-/// shows its median, both just below white under the ACES tone mapper.
+/// FLIP over a range of exposures about a stop apart: from the exposure that maps the reference's brightest pixel to just below white, with
+/// the ACES tone mapper, to the one that does so for its median.
 ///
-/// DEVIATION: the median is that of the pixels that are not black: most of a picture of fur on nothing is black, and the median
-/// of all would ask for endless exposures.
+/// DEVIATION: the median is that of the pixels that are not black. Fur without a background is mostly black, and the median of all pixels
+/// would need infinite exposure.
 ///
-/// DEVIATION: colours have 8 bits after tone mapping, which is what the library takes.
+/// DEVIATION: colours have 8 bits after tone mapping, as nv_flip expects.
 // [Andersson2021] sec. 3
 pub(super) fn hdr_flip(image: &[[f32; 4]], reference: &[[f32; 4]], size: [usize; 2]) -> Result<HdrFlip> {
     let exposures = exposure_range(reference);
@@ -89,7 +89,7 @@ fn exposure_range(reference: &[[f32; 4]]) -> [f64; 2] {
     [(x / brightest).log2(), (x / median).log2()]
 }
 
-/// SSIM of each pixel; windows at the border are cut and their weights scaled to 1.
+/// SSIM of each pixel; windows are clipped at the border and their weights normalised.
 // [Wang2004] eq. 13
 pub(super) fn ssim(a: &[f64], b: &[f64], size: [usize; 2]) -> Vec<f64> {
     const C1: f64 = 0.01 * 0.01;
@@ -106,7 +106,7 @@ pub(super) fn ssim(a: &[f64], b: &[f64], size: [usize; 2]) -> Vec<f64> {
     (0..a.len()).map(one).collect()
 }
 
-/// Gaussian mean over a square of `2 half + 1` pixels; at the border the rest of it.
+/// Gaussian mean over a square of `2 half + 1` pixels, clipped at the border.
 pub(super) fn gaussian(values: &[f64], [width, height]: [usize; 2], sigma: f64, half: usize) -> Vec<f64> {
     let kernel: Vec<f64> = (0..=half).map(|i| (-((i * i) as f64) / (2.0 * sigma * sigma)).exp()).collect();
     let mean = |at: usize, length: usize, value: &dyn Fn(usize) -> f64| {

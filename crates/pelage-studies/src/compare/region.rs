@@ -1,12 +1,12 @@
-//! Which pixels are the silhouette and which the inside.
+//! The pixels of the silhouette and of the inside.
 
-/// A part of a picture, by the reference's alpha.
+/// A part of an image, by the reference's alpha.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Region {
     /// All pixels.
     #[default]
     All,
-    /// Pixels near the outline, where alpha passes one half.
+    /// Pixels near the outline, where alpha crosses one half.
     Silhouette,
     /// Pixels within the outline, without the silhouette.
     Inside,
@@ -22,14 +22,14 @@ impl std::fmt::Display for Region {
     }
 }
 
-/// One value a pixel; `None` where it would be false everywhere.
+/// One value per pixel; `None` if a region has no pixels.
 pub(super) struct Masks {
     pub silhouette: Option<Vec<bool>>,
     pub inside: Option<Vec<bool>>,
 }
 
-/// The outline runs between the centres of neighbouring pixels whose alpha lies on either side of one half; the silhouette is
-/// what is not farther than `band` pixels from one of its points.
+/// Outline points lie halfway between neighbouring pixels whose alphas are on different sides of one half. The silhouette is all pixels
+/// within `band` pixels of such a point.
 pub(super) fn masks(reference: &[[f32; 4]], [width, height]: [usize; 2], band: f64) -> Masks {
     let covered: Vec<bool> = reference.iter().map(|p| p[3] >= 0.5).collect();
     let mut silhouette = vec![false; covered.len()];

@@ -1,22 +1,22 @@
-//! Detail of the luminance by its size: how much softer or noisier one picture is than another.
+//! Detail of the luminance by octave: how much softer or noisier one image is than another.
 //!
-//! The power in an octave of the spectrum is the mean square of the picture after a band-pass (Parseval); filters that are small
-//! in the picture, differences of Gaussians an octave apart, also tell it for a region.
+//! The power in an octave of the spectrum is the mean square of the image after a band-pass filter (Parseval). Filters of small support,
+//! here differences of Gaussians an octave apart, also give it for a region.
 
 use super::{finite, perceptual::gaussian, rgb};
 use pelage_core::film::Film;
 use pelage_core::film::tonemap::luminance;
 
-/// Octaves that are told apart.
+/// Number of octaves.
 pub const OCTAVES: usize = 4;
 
-/// Pixels that are not finite count as black.
+/// Luminance of each pixel; pixels that are not finite count as black.
 pub(super) fn luminances(pixels: &[[f32; 4]]) -> Vec<f64> {
     pixels.iter().map(|p| if finite(p) { f64::from(luminance(rgb(p))) } else { 0.0 }).collect()
 }
 
-/// The noise of a film that has the means of two halves of its samples, `half0.R` to `half1.B`: half their difference is as noisy as
-/// their mean. `None` for other films.
+/// The noise of a film that holds the means of two halves of its samples, `half0.R` to `half1.B`: half of their difference has the same
+/// variance as the noise of their mean. `None` for other films.
 pub(super) fn noise(film: &Film, factor: f32) -> Option<Vec<f64>> {
     let half = |k: usize| -> Option<[&[f32]; 3]> {
         let plane = |c: &str| film.plane(&format!("half{k}.{c}"));
@@ -28,11 +28,11 @@ pub(super) fn noise(film: &Film, factor: f32) -> Option<Vec<f64>> {
     Some(luminances(&pixels))
 }
 
-/// The luminance in each octave, one value a pixel, finest first.
+/// The luminance in each octave, one value per pixel, finest first.
 pub(super) struct Octaves(pub [Vec<f64>; OCTAVES]);
 
-/// Octave k > 0 holds what a Gaussian of σ 2^(k - 1) keeps and one of twice that width does not, most of all periods of 6.5 such σ;
-/// the finest holds all that σ 1 does not keep.
+/// Octave k > 0 is the difference of Gaussians of σ 2^(k - 1) and of twice that, whose response peaks at periods of about 6.5 of the
+/// smaller σ. The finest octave is the difference of the image and a Gaussian of σ 1.
 pub(super) fn octaves(luminance: Vec<f64>, size: [usize; 2]) -> Octaves {
     let whole = luminance.clone();
     let mut finer = luminance;

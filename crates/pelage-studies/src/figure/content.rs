@@ -1,108 +1,122 @@
-//! What a figure consists of once it is made, and the files that it becomes.
+//! The finished parts of a figure, and the files that they are written to.
 
 use super::panel;
 use super::spec::Figure;
-use crate::provenance::{Provenance, write_json};
+use crate::provenance::{Provenance, write_json, write_text};
 use crate::report::plot::Plot;
 use crate::report::{Table, file_name};
 use pelage_core::film::{Film, Metadata, io};
 use pelage_core::scene::{FilmSpec, Tonemap};
 use pelage_core::stats::Stats;
-use pelage_core::{Error, Result, files};
+use pelage_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// A picture.
+/// A finished picture of a figure.
 pub struct PanelImage {
     /// What it shows.
     pub label: String,
-    /// Its layers.
+    /// Its planes.
     pub film: Film,
-    /// How it is shown.
+    /// Exposure and tone mapping.
     pub spec: FilmSpec,
-    /// The scene as it was rendered, TOML; `None` where no scene was rendered.
+    /// The scene as it was rendered, TOML; `None` if no scene was rendered.
     pub scene: Option<String>,
     /// Counts and times.
     pub stats: Option<Stats>,
 }
 
 impl PanelImage {
-    /// Of pixels that are shown as they are: display-linear, premultiplied.
+    /// A picture of display-linear, premultiplied pixels, which are shown as they are.
     pub fn drawn(label: &str, film: Film) -> Self {
-        let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
-        Self { label: label.to_owned(), film, spec, scene: None, stats: None }
+        Self { label: label.to_owned(), film, spec: as_shown(), scene: None, stats: None }
     }
 }
 
-/// A number that does not depend on the machine, for the check against what is kept.
+/// A number that does not depend on the machine; `--check` compares it with the kept one.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Value {
     /// What it is.
     pub name: String,
     /// The number.
     pub value: f64,
-    /// How far it may be from the number that is kept.
+    /// Largest absolute difference from the kept number.
     pub tolerance: f64,
 }
 
-/// A drawing of lines.
+/// A line drawing.
 pub struct Diagram {
     /// Part of its file's name.
     pub name: String,
     /// What it shows.
     pub caption: String,
-    /// The whole file.
+    /// The file's content.
     pub svg: String,
 }
 
 /// A figure's parts.
 #[derive(Default)]
 pub struct FigureContent {
-    /// Pictures, which are also assembled to a sheet.
+    /// Pictures; they are also assembled into a sheet.
     pub images: Vec<PanelImage>,
     /// Curves, each with part of its file's name.
     pub plots: Vec<(String, Plot)>,
     /// Drawings.
     pub diagrams: Vec<Diagram>,
-    /// Tables and words, Markdown.
+    /// Tables and text, Markdown.
     pub text: String,
-    /// Numbers that are checked.
+    /// Numbers that `--check` compares.
     pub values: Vec<Value>,
-    /// Files that were written besides (name, what it is).
+    /// Other files that were written: name, description.
     pub files: Vec<(String, String)>,
-    /// Photographs that are not there; words on grey stand for them.
+    /// Photographs that were not found; a labelled placeholder takes their place.
     pub missing: Vec<String>,
 }
 
 impl FigureContent {
+    /// Adds a picture of display-linear, premultiplied pixels.
+    pub fn picture(&mut self, label: &str, film: Film) {
+        self.images.push(PanelImage::drawn(label, film));
+    }
+
+    /// Adds a plot; `name` is part of its file's name.
+    pub fn plot(&mut self, name: &str, plot: Plot) {
+        self.plots.push((name.to_owned(), plot));
+    }
+
+    /// Adds a line drawing; `name` is part of its file's name.
+    pub fn diagram(&mut self, name: &str, caption: &str, svg: String) {
+        self.diagrams.push(Diagram { name: name.to_owned(), caption: caption.to_owned(), svg });
+    }
+
     /// Adds a table to the text.
     pub fn table(&mut self, table: &Table) {
         self.text += &table.markdown();
         self.text.push('\n');
     }
 
-    /// Adds a number that is checked.
+    /// Adds a number that `--check` compares.
     pub fn value(&mut self, name: &str, value: f64, tolerance: f64) {
         self.values.push(Value { name: name.to_owned(), value, tolerance });
     }
 }
 
-/// The JSON file beside a figure: all that a report says about it.
+/// The JSON file beside a figure's results. Reports are written from it.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Record {
     /// Name.
     pub figure: String,
-    /// One line.
+    /// Title, one line.
     pub title: String,
     /// Paper and number.
     pub source: String,
     /// Whether it is the small version.
     pub quick: bool,
-    /// Time that it took, s.
+    /// Time taken, s.
     pub seconds: f64,
-    /// Program, machine, date and command.
+    /// Program, machine, date, and command.
     pub provenance: Provenance,
-    /// What is seen and what differs from the paper, Markdown.
+    /// Description and known differences from the paper, Markdown.
     pub caption: String,
     /// The assembled panels.
     pub sheet: Option<String>,
@@ -110,36 +124,36 @@ pub struct Record {
     pub pictures: Vec<Picture>,
     /// Plots and drawings.
     pub drawings: Vec<Drawing>,
-    /// Files of two pictures that a slider wipes between.
+    /// Pairs of picture files for the report's comparison sliders.
     pub wipes: Vec<[String; 2]>,
-    /// Tables and words, Markdown.
+    /// Tables and text, Markdown.
     pub text: String,
-    /// Numbers that are checked.
+    /// Numbers that `--check` compares.
     pub values: Vec<Value>,
     /// Other files.
     pub files: Vec<Drawing>,
-    /// Photographs that are not there.
+    /// Photographs that were not found.
     #[serde(default)]
     pub missing: Vec<String>,
 }
 
-/// A picture's place in a [`Record`].
+/// The files of a picture in a [`Record`].
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Picture {
     /// What it shows.
     pub label: String,
-    /// PNG beside the record.
+    /// PNG file beside the record.
     pub file: String,
-    /// All its layers, OpenEXR, beside the record.
+    /// OpenEXR file with all planes, beside the record.
     pub layers: String,
     /// Counts and times.
     pub stats: Option<serde_json::Value>,
 }
 
-/// A file with its caption.
+/// A file and its caption.
 #[derive(Debug, Clone, Default, Serialize, Deserialize)]
 pub struct Drawing {
-    /// Beside the record.
+    /// File beside the record.
     pub file: String,
     /// What it shows.
     pub caption: String,
@@ -149,14 +163,12 @@ impl Record {
     /// Writes a figure's files into `out`, its record last.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Unsupported`] where a film lacks planes or a wipe names no picture.
+    /// [`Error::Io`]; [`Error::Unsupported`] if a film lacks planes or a wipe names an unknown picture.
     pub(super) fn write(mut self, figure: &Figure, content: FigureContent, out: &Path) -> Result<Self> {
         let metadata = Metadata::of_program()
             .with_adapter(&self.provenance.adapter, &self.provenance.driver)
             .with_command_line(self.provenance.command.iter());
-        let text = |file: &str, text: &str| {
-            files::write_atomically(&out.join(file), |f| Ok(std::io::Write::write_all(f, text.as_bytes())?))
-        };
+        let write = |file: &str, text: &str| write_text(&out.join(file), text);
         let mut tiles = Vec::new();
         for (i, image) in content.images.iter().enumerate() {
             let letter = letter(i);
@@ -178,26 +190,25 @@ impl Record {
         }
         if !tiles.is_empty() {
             let sheet = panel::assemble(&tiles, figure.columns);
-            let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
             let file = format!("{}.png", self.figure);
-            io::write(&sheet, out.join(&file), &metadata, &spec)?;
+            io::write(&sheet, out.join(&file), &metadata, &as_shown())?;
             self.sheet = Some(file);
         }
         for (name, plot) in &content.plots {
             let file = format!("{}.svg", file_name(name));
-            text(&file, &plot.file())?;
+            write(&file, &plot.file())?;
             self.drawings.push(Drawing { file, caption: plot.caption.clone() });
         }
         for diagram in &content.diagrams {
             let file = format!("{}.svg", file_name(&diagram.name));
-            text(&file, &diagram.svg)?;
+            write(&file, &diagram.svg)?;
             self.drawings.push(Drawing { file, caption: diagram.caption.clone() });
         }
         for wipe in &figure.wipes {
             let file = |label: &String| {
                 self.pictures.iter().find(|p| p.label == *label).map(|p| p.file.clone()).ok_or_else(|| {
                     Error::Unsupported(format!(
-                        "{}: a wipe names {label:?}, which no picture is called",
+                        "{}: a wipe names {label:?}, but no picture has this label",
                         self.figure
                     ))
                 })
@@ -212,14 +223,19 @@ impl Record {
         Ok(self)
     }
 
-    /// Reads the record in a figure's folder of results; `None` where there is none that can be read.
+    /// Reads the record in a figure's result folder; `None` if there is no readable one.
     pub(super) fn read(out: &Path) -> Option<Self> {
         serde_json::from_str(&std::fs::read_to_string(out.join(RECORD)).ok()?).ok()
     }
 }
 
-/// The record's name beside the pictures.
+/// File name of the record.
 const RECORD: &str = "figure.json";
+
+/// The film settings of pixels that are display-linear already.
+pub(super) fn as_shown() -> FilmSpec {
+    FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() }
+}
 
 /// a, b, ..., z, a2, b2, ...
 fn letter(i: usize) -> String {

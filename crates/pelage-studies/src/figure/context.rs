@@ -1,34 +1,34 @@
-//! Where figures are made: the device, the figure's folder, and how large and how good pictures are to be.
+//! What figures are produced with: the device, the figure's folder, and the size and quality of pictures.
 
 use super::content::{FigureContent, PanelImage};
 use super::panel;
-use super::spec::{Figure, Panel};
+use super::spec::{FILE, Figure, Panel};
 use crate::provenance::{only_files_missing, say};
-use pelage_core::animation;
+use crate::rendering::render_whole;
 use pelage_core::assets::Assets;
-use pelage_core::film::{composite, depth_of_field, io};
-use pelage_core::{Error, Result, Scene, World};
+use pelage_core::film::{Film, composite, depth_of_field, io, resample};
+use pelage_core::{Error, Result, Scene, World, animation};
 use pelage_gpu::Gpu;
-use pelage_render::{Frame, RenderOptions};
+use pelage_render::Frame;
 use serde::de::DeserializeOwned;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What makers of figures are given.
+/// The surroundings of a figure that is being produced.
 pub struct FigureContext<'a> {
     /// The device.
     pub gpu: &'a Gpu,
-    /// What is to be content.
+    /// The figure's description.
     pub figure: &'a Figure,
-    /// The figure's folder in the registry.
+    /// The figure's folder in `paper_figures/`.
     pub folder: &'a Path,
-    /// Where results go.
+    /// Folder of the results.
     pub out: &'a Path,
-    /// Whether it is the small version.
+    /// Whether the small version is produced.
     pub quick: bool,
-    /// Panel size that was asked for.
+    /// Panel size from the command line, pixels.
     pub asked: Option<[u32; 2]>,
-    /// Raised when the user wants to stop.
+    /// Set when the user wants to stop.
     pub cancel: &'a AtomicBool,
 }
 
@@ -38,24 +38,27 @@ impl FigureContext<'_> {
         self.figure.panel_size(self.asked, self.quick)
     }
 
-    /// The study's settings, those of `[quick.settings]` over them in a quick run.
+    /// The study's settings; in a quick run those of `[quick.settings]` replace them.
     ///
     /// # Errors
-    /// [`Error::Scene`] that names what is not as `T` has it.
+    /// [`Error::Scene`] for a setting that is missing, unknown or of the wrong type.
     pub fn settings<T: DeserializeOwned>(&self) -> Result<T> {
         let mut settings = self.figure.settings.clone();
         if self.quick {
             settings.extend(self.figure.quick.settings.clone());
         }
-        settings.try_into().map_err(|e| {
-            Error::fault(self.folder.join("figure.toml"), format!("[settings]: {}", e.message()))
-        })
+        settings.try_into().map_err(|e| self.fault(format!("[settings]: {}", e.message())))
     }
 
-    /// A scene of the figure's folder at the panels' size and samples, with overrides.
+    /// A fault of the figure's `figure.toml`.
+    pub fn fault(&self, message: impl Into<String>) -> Error {
+        Error::fault(self.folder.join(FILE), message)
+    }
+
+    /// Loads a scene of the figure's folder at the size and samples of its panels, with overrides.
     ///
     /// # Errors
-    /// Those of [`Scene::load`] and [`World::load`]; missing files say how to get them.
+    /// Those of [`Scene::load`] and [`World::load`]; for missing files with a hint where to get them.
     pub fn load(&self, scene: &str, set: &[String]) -> Result<(World, Assets)> {
         let [width, height] = self.size();
         let mut overrides = vec![
@@ -82,27 +85,15 @@ impl FigureContext<'_> {
         })
     }
 
-    /// The renderer's image with all layers, before the lens and the background.
+    /// Renders a world with all planes, before depth of field and background.
     ///
     /// # Errors
-    /// Those of [`render::render_on`]; [`Error::Interrupted`].
+    /// Those of [`pelage_shells::render_on`]; [`Error::Interrupted`].
     pub fn render(&self, world: &World) -> Result<Frame> {
-        self.render_at(world, 0.0)
+        render_whole(self.gpu, world, 0.0, self.cancel)
     }
 
-    /// The same, `time` s after the scene's first frame.
-    fn render_at(&self, world: &World, time: f64) -> Result<Frame> {
-        let options =
-            RenderOptions { aovs: true, cancel: Some(self.cancel), time, ..RenderOptions::default() };
-        let frame = pelage_shells::render_on(self.gpu, world, &options)?;
-        match frame.fault {
-            Some(fault) => Err(fault),
-            None if frame.complete => Ok(frame),
-            None => Err(Error::Interrupted),
-        }
-    }
-
-    /// The finished picture of a world: through its lens, over its background.
+    /// Renders a world to a finished picture, with depth of field and background.
     ///
     /// # Errors
     /// As [`FigureContext::render`], and those of reading the background.
@@ -110,11 +101,12 @@ impl FigureContext<'_> {
         self.render_panel_at(label, world, assets, 0.0)
     }
 
+    /// The same, `time` s after the first frame.
     fn render_panel_at(&self, label: &str, world: &World, assets: &Assets, time: f64) -> Result<PanelImage> {
-        let mut frame = self.render_at(world, time)?;
+        let mut frame = render_whole(self.gpu, world, time, self.cancel)?;
         depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
         composite::over_background(&mut frame.film, &world.scene, assets)?;
-        self.tell(&format!("{label}: {:.2} s", frame.stats.total_ms / 1e3))?;
+        self.report(&format!("{label}: {:.2} s", frame.stats.total_ms / 1e3))?;
         Ok(PanelImage {
             label: label.to_owned(),
             film: frame.film,
@@ -124,21 +116,22 @@ impl FigureContext<'_> {
         })
     }
 
-    /// Says what was done; notices an interrupt.
+    /// Prints an indented line of progress; fails if the user has interrupted.
     ///
     /// # Errors
     /// [`Error::Interrupted`], [`Error::Io`].
-    pub fn tell(&self, words: &str) -> Result<()> {
+    pub fn report(&self, text: &str) -> Result<()> {
         if self.cancel.load(Ordering::SeqCst) {
             return Err(Error::Interrupted);
         }
-        say(&format!("  {words}\n"))
+        say(&format!("  {text}\n"))
     }
 
     /// Renders the figure's panels.
     ///
     /// # Errors
-    /// As [`FigureContext::load`] and [`FigureContext::render_panel`]. Everything is loaded before anything is rendered: a missing file shows itself at once.
+    /// As [`FigureContext::load`] and [`FigureContext::render_panel`]. Everything is loaded before the first rendering, so that a missing
+    /// file is reported at once.
     pub(super) fn panels(&self) -> Result<FigureContent> {
         enum Job {
             Scene(Box<World>, Assets),
@@ -150,13 +143,13 @@ impl FigureContext<'_> {
             }
             (None, image) => self
                 .photograph(&panel.label, image.as_deref().unwrap_or_default())
-                .map(|shot| Job::Image(Box::new(shot))),
+                .map(|image| Job::Image(Box::new(image))),
         };
         let jobs = self.figure.panels.iter().map(load).collect::<Result<Vec<_>>>()?;
-        let there = |name: &String| Assets::of_folder(self.folder).find(name).is_ok();
+        let found = |name: &String| Assets::of_folder(self.folder).find(name).is_ok();
         let images = self.figure.panels.iter().filter_map(|panel| panel.image.clone());
         let mut content = FigureContent {
-            missing: images.filter(|name| !there(name)).collect(),
+            missing: images.filter(|name| !found(name)).collect(),
             ..FigureContent::default()
         };
         for (panel, job) in self.figure.panels.iter().zip(jobs) {
@@ -167,13 +160,13 @@ impl FigureContext<'_> {
                     world.scene.camera = state.camera;
                     self.render_panel_at(&panel.label, &world, &assets, state.time)?
                 }
-                Job::Image(shot) => *shot,
+                Job::Image(image) => *image,
             });
         }
         Ok(content)
     }
 
-    /// A photograph cut to the panels' size; words on grey where it is not there.
+    /// A photograph, scaled and cropped to the size of a panel; a labelled placeholder if it is not found.
     fn photograph(&self, label: &str, name: &str) -> Result<PanelImage> {
         let [width, height] = self.size();
         let film = match Assets::of_folder(self.folder).find(name) {
@@ -181,8 +174,8 @@ impl FigureContext<'_> {
                 let photo = io::read(&path)?;
                 let size = [photo.width as usize, photo.height as usize];
                 let to = [width as usize, height as usize];
-                let pixels = pelage_core::film::resample::cover(&photo.premultiplied()?, size, to);
-                pelage_core::film::Film::from_premultiplied(width, height, &pixels)
+                let pixels = resample::cover(&photo.premultiplied()?, size, to);
+                Film::from_premultiplied(width, height, &pixels)
             }
             Err(_) => panel::slot(width, height, &format!("{name} is not there")),
         };

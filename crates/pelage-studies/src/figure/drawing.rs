@@ -1,4 +1,4 @@
-//! Drawings of studies: an SVG canvas, a parallel projection with the painter's order, and colours that are told apart.
+//! Drawings of studies: an SVG canvas, a parallel projection, the painter's algorithm, and distinguishable colours.
 
 use crate::report::escape;
 use glam::Vec3;
@@ -8,13 +8,13 @@ use std::fmt::Write;
 /// A point on the canvas, px from its upper left corner.
 pub(super) type Point = [f64; 2];
 
-/// An SVG in the making. Styles are CSS.
+/// An SVG file under construction. Styles are CSS.
 pub(super) struct Canvas {
     size: [f64; 2],
     body: String,
 }
 
-/// Where a text stands relative to its point.
+/// Which part of a text lies at its point.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Anchor {
     Start,
@@ -64,7 +64,7 @@ impl Canvas {
             write!(self.body, "<circle cx=\"{x:.1}\" cy=\"{y:.1}\" r=\"{radius:.1}\" style=\"{style}\"/>");
     }
 
-    pub(super) fn text(&mut self, [x, y]: Point, anchor: Anchor, px: f64, words: &str) {
+    pub(super) fn text(&mut self, [x, y]: Point, anchor: Anchor, px: f64, text: &str) {
         let anchor = match anchor {
             Anchor::Start => "start",
             Anchor::Middle => "middle",
@@ -73,11 +73,11 @@ impl Canvas {
         let _ = write!(
             self.body,
             "<text x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"{px}\">{}</text>",
-            escape(words)
+            escape(text)
         );
     }
 
-    /// The whole file.
+    /// The file's content.
     pub(super) fn svg(self) -> String {
         let [w, h] = self.size;
         format!(
@@ -108,7 +108,7 @@ impl View {
         Self { right, up: right.cross(forward), forward, centre, middle, scale }
     }
 
-    /// Such that `points` fill the box from `low` to `high` on the canvas.
+    /// The view in which `points` fill the box from `low` to `high` on the canvas.
     pub(super) fn fitted(forward: Vec3, up: Vec3, points: &[Vec3], low: Point, high: Point) -> Self {
         let mut view = Self::new(forward, up, points.first().copied().unwrap_or_default(), [0.0; 2], 1.0);
         let flat: Vec<Point> = points.iter().map(|p| view.place(*p)).collect();
@@ -133,7 +133,7 @@ impl View {
     }
 }
 
-/// Faces and lines in space that are drawn from the farthest to the nearest.
+/// Faces and lines in space, drawn from the farthest to the nearest.
 pub(super) struct Painter {
     view: View,
     parts: Vec<(f32, Vec<Point>, bool, String)>,
@@ -148,7 +148,7 @@ impl Painter {
         self.part(corners, true, style, 0.0);
     }
 
-    /// A line, in front of faces that lie less than `nearer` cm before it.
+    /// A line; it is drawn over faces less than `nearer` cm in front of it.
     pub(super) fn line(&mut self, points: &[Vec3], nearer: f32, style: String) {
         self.part(points, false, style, nearer);
     }
@@ -167,7 +167,7 @@ impl Painter {
     }
 }
 
-/// An sRGB-coded colour for a number: successive numbers get hues far apart. `value` is that of the brightest channel.
+/// An sRGB-encoded colour for a number; successive numbers get very different hues. `value` is the brightest channel, 0..1.
 pub(super) fn number_color(number: u32, saturation: f32, value: f32) -> Vec3 {
     let hue = 6.0 * (f32::from((number.wrapping_mul(40_503) & 0xffff) as u16) / 65_536.0);
     let channel = |k: f32| {
@@ -177,20 +177,20 @@ pub(super) fn number_color(number: u32, saturation: f32, value: f32) -> Vec3 {
     Vec3::new(channel(5.0), channel(3.0), channel(1.0))
 }
 
-/// A value of 0..1 in the magma colour map, sRGB-coded.
+/// A value of 0..1 in the magma colour map, sRGB-encoded.
 pub(super) fn magma(value: f32) -> Vec3 {
     let lut = nv_flip::magma_lut().to_vec();
     let i = (value.clamp(0.0, 1.0) * 255.0) as usize * 3;
     lut.get(i..i + 3).map_or(Vec3::ZERO, |c| Vec3::from([c[0], c[1], c[2]].map(f32::from)) / 255.0)
 }
 
-/// An sRGB-coded colour for CSS.
+/// An sRGB-encoded colour for CSS.
 pub(super) fn css(color: Vec3) -> String {
     let [r, g, b] = color.to_array().map(|c| (c.clamp(0.0, 1.0) * 255.0).round() as u8);
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// An sRGB-coded colour as an opaque display-linear pixel.
+/// An sRGB-encoded colour as an opaque display-linear pixel.
 pub(super) fn pixel(color: Vec3) -> [f32; 4] {
     let [r, g, b] = color.to_array().map(srgb_decode);
     [r, g, b, 1.0]
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn words_are_escaped() {
+    fn text_is_escaped() {
         let mut canvas = Canvas::new(10.0, 10.0);
         canvas.text([1.0, 2.0], Anchor::Middle, 9.0, "a < b");
         assert!(canvas.svg().contains("a &lt; b"));

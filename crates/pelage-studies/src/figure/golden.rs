@@ -1,35 +1,34 @@
-//! Small versions of the figures that are kept in the repository, so that a change which alters one is noticed.
+//! Small versions of the figures, kept in the repository so that a change which alters one is noticed.
 
-use super::content::{Record, Value};
+use super::content::{Drawing, Record, Value, as_shown};
 use super::result_folder;
 use crate::compare::compare;
 use crate::provenance::write_json;
 use pelage_core::film::{Metadata, io};
-use pelage_core::scene::{FilmSpec, Tonemap};
 use pelage_core::{Error, Result};
 use serde::{Deserialize, Serialize};
 use std::path::{Path, PathBuf};
 
-/// Folder of what is kept, in the figure's.
+/// Folder of the kept results in the figure's folder.
 pub(super) const FOLDER: &str = "golden";
-/// What is kept besides pictures.
+/// File of the kept results other than pictures.
 const FILE: &str = "golden.json";
-/// Largest mean FLIP between the sheets. Two runs on one adapter are equal; on the small pelt of figure 1 a tenth less undercoat makes
+/// Largest mean FLIP between the sheets. Two runs on one adapter are equal; on the small pelt of figure 1 a tenth less undercoat gives
 /// 0.006, another seed of the hairs 0.04.
 const LARGEST_FLIP: f64 = 0.004;
 
-/// What is kept of a record.
+/// The kept part of a record.
 #[derive(Debug, Default, Serialize, Deserialize)]
 pub(super) struct Kept {
     /// The assembled panels.
     pub(super) sheet: Option<String>,
     /// Plots and drawings with their captions.
-    pub(super) drawings: Vec<super::content::Drawing>,
-    /// Tables and words as they were, Markdown: for the report, not compared.
+    pub(super) drawings: Vec<Drawing>,
+    /// Tables and text, Markdown; shown in the report, not compared.
     pub(super) text: String,
-    /// Machine, version and date of the text; empty without one.
+    /// Machine, version and date of the text; empty without text.
     pub(super) provenance: String,
-    /// Numbers that are compared.
+    /// Numbers, which are compared.
     pub(super) values: Vec<Value>,
 }
 
@@ -39,7 +38,7 @@ impl Kept {
     }
 }
 
-/// Copies a record's small files to the registry.
+/// Keeps the results of a record in the figure's folder.
 pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
     let to = folder.join(FOLDER);
     match std::fs::remove_dir_all(&to) {
@@ -49,9 +48,8 @@ pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
     std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, e))?;
     let from = result_folder(root, &record.figure);
     if let Some(sheet) = &record.sheet {
-        // Without command and machine: the file changes when the picture does.
-        let spec = FilmSpec { tonemap: Tonemap::None, exposure: 0.0, ..FilmSpec::default() };
-        io::write(&io::read(from.join(sheet))?, to.join(sheet), &Metadata::default(), &spec)?;
+        // Without command and machine in the metadata, so that the file changes only if the picture does.
+        io::write(&io::read(from.join(sheet))?, to.join(sheet), &Metadata::default(), &as_shown())?;
     }
     for file in record.drawings.iter().map(|d| &d.file) {
         std::fs::copy(from.join(file), to.join(file)).map_err(|e| Error::io(to.join(file), e))?;
@@ -70,7 +68,7 @@ pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
     write_json(&to.join(FILE), &kept)
 }
 
-/// What differs from what is kept, in words.
+/// The differences from the kept results, one line each.
 ///
 /// # Errors
 /// [`Error::Io`] for files that cannot be read.
@@ -99,8 +97,7 @@ pub(super) fn differences(record: &Record, root: &Path, folder: &Path) -> Result
             lines.push(format!("{name}: {} a picture", if sheet.is_some() { "has" } else { "lacks" }))
         }
     }
-    let files =
-        |drawings: &[super::content::Drawing]| drawings.iter().map(|d| d.file.clone()).collect::<Vec<_>>();
+    let files = |drawings: &[Drawing]| drawings.iter().map(|d| d.file.clone()).collect::<Vec<_>>();
     let [now, then] = [files(&record.drawings), files(&kept.drawings)];
     if now != then {
         lines.push(format!("{name}: drawings are {now:?}, kept are {then:?}"));
@@ -114,10 +111,10 @@ fn values(now: &[Value], then: &[Value]) -> Vec<String> {
     for old in then {
         match now.iter().find(|value| value.name == old.name) {
             None => lines.push(format!("{:?} is no longer measured", old.name)),
-            // Written so that what is not a number is told of.
+            // Written so that a NaN is reported.
             Some(value) if (value.value - old.value).abs() <= old.tolerance => {}
             Some(value) => lines.push(format!(
-                "{:?} is {}, kept is {} give or take {}",
+                "{:?} is {}, expected {} ± {}",
                 old.name, value.value, old.value, old.tolerance
             )),
         }
@@ -137,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_held_to_what_is_kept() {
+    fn numbers_are_compared_with_the_kept_ones() {
         assert!(values(&[value("a", 1.05)], &[value("a", 1.0)]).is_empty());
         assert_eq!(values(&[value("a", 1.2)], &[value("a", 1.0)]).len(), 1);
         assert_eq!(values(&[value("a", f64::NAN)], &[value("a", 1.0)]).len(), 1);

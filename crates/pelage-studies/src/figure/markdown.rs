@@ -1,8 +1,9 @@
-//! The report for reading in a repository: `README.md` beside the figures, with the pictures that are kept.
+//! The report in Markdown: `README.md` beside the figures, with the kept pictures.
 
 use super::golden::{self, Kept};
 use super::spec::Figure;
-use pelage_core::{Result, files};
+use crate::provenance::write_text;
+use pelage_core::Result;
 use std::fmt::Write;
 use std::path::Path;
 
@@ -11,7 +12,7 @@ const HEAD: &str = "# Figures\n\n\
     `pelage figure --all --quick`; `pelage figure --all` makes them in the papers' sizes, with OpenEXR layers, and writes `index.html`, where\n\
     sliders wipe between the pictures of a comparison. This page is written by `pelage figure --all --quick --bless`.\n";
 
-/// Writes the page from the registry and what is kept in it.
+/// Writes the page from the figures' folders and the kept results in them.
 pub(super) fn write(registry: &Path) -> Result<()> {
     let names = Figure::names()?;
     let mut page = HEAD.to_owned();
@@ -29,12 +30,10 @@ pub(super) fn write(registry: &Path) -> Result<()> {
         body += &section(name, &caption, Kept::read(&folder).as_ref());
     }
     page.push_str(&body);
-    files::write_atomically(&registry.join("README.md"), |file| {
-        Ok(std::io::Write::write_all(file, page.as_bytes())?)
-    })
+    write_text(&registry.join("README.md"), &page)
 }
 
-/// The work of a source: what stands before the first comma.
+/// The work of a source: the text before the first comma.
 pub(super) fn work_of(source: &str) -> String {
     source.split(',').next().unwrap_or(source).to_owned()
 }
@@ -58,7 +57,7 @@ fn section(name: &str, caption: &str, kept: Option<&Kept>) -> String {
         }
     }
     for line in lines {
-        // Headings of a caption stand below that of its section.
+        // Headings of a caption are one level below that of its section.
         let _ = writeln!(text, "{}{line}", if line.starts_with('#') { "#" } else { "" });
     }
     if let Some(kept) = kept.filter(|kept| !kept.text.is_empty()) {

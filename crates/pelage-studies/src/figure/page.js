@@ -1,4 +1,4 @@
-// Each slider shows its left picture up to where it stands; a pointer over the pictures moves it too.
+// Each slider shows the left picture up to its position; a pointer over the pictures moves it too.
 for (const figure of document.querySelectorAll(".wipe")) {
   const over = figure.querySelector(".over");
   const slider = figure.querySelector("input");

@@ -1,22 +1,22 @@
-//! The report as one page: everything beside it, nothing from elsewhere, no server. Its only script moves the sliders.
+//! The report as one HTML page. It needs no server and nothing from the network; its only script moves the sliders.
 
 use super::content::Record;
 use super::markdown::work_of;
+use crate::provenance::write_text;
 use crate::report::escape;
-use pelage_core::{Result, files};
+use pelage_core::Result;
 use pulldown_cmark::{Event, HeadingLevel, Options, Parser, Tag, TagEnd};
 use std::fmt::Write;
 use std::path::Path;
 
-/// The page's name.
+/// File name of the page.
 pub(super) const FILE: &str = "index.html";
 const STYLE: &str = include_str!("page.css");
 const SCRIPT: &str = include_str!("page.js");
 
 /// Writes the page of `records` into `root`, whole or not at all.
 pub(super) fn write(records: &[Record], root: &Path) -> Result<()> {
-    let text = page(records);
-    files::write_atomically(&root.join(FILE), |file| Ok(std::io::Write::write_all(file, text.as_bytes())?))
+    write_text(&root.join(FILE), &page(records))
 }
 
 fn page(records: &[Record]) -> String {
@@ -119,7 +119,7 @@ fn section(record: &Record) -> String {
     let p = &record.provenance;
     let _ = writeln!(
         html,
-        "<p class=\"made\">{}{:.1} s on {} ({}, {}), pelage {} ({}), {}</p></section>",
+        "<p class=\"provenance\">{}{:.1} s on {} ({}, {}), pelage {} ({}), {}</p></section>",
         if record.quick { "Small version. " } else { "" },
         record.seconds,
         escape(&p.adapter),
@@ -132,7 +132,7 @@ fn section(record: &Record) -> String {
     html
 }
 
-/// Markdown as HTML, headings one step down; HTML in it is shown as text.
+/// Markdown as HTML, with headings one level down. HTML within it is shown as text.
 fn prose(markdown: &str) -> String {
     let down = |level: HeadingLevel| HeadingLevel::try_from(level as usize + 1).unwrap_or(level);
     let events = Parser::new_ext(markdown, Options::ENABLE_TABLES).map(|event| match event {
@@ -154,7 +154,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_shows_everything_and_nothing_as_markup() {
+    fn a_page_shows_all_parts_and_escapes_markup() {
         let picture = |label: &str, file: &str| Picture {
             label: label.into(),
             file: file.into(),
@@ -165,7 +165,7 @@ mod tests {
             title: "a < b".into(),
             source: "X 2016, figure 1".into(),
             caption:
-                "# Heading\n\nWords <script>.\n\n    pelage figure x-fig1\n\n## Known differences\n\n- none"
+                "# Heading\n\nText <script>.\n\n    pelage figure x-fig1\n\n## Known differences\n\n- none"
                     .into(),
             pictures: vec![picture("one", "a.png"), picture("two", "b.png")],
             wipes: vec![["a.png".into(), "b.png".into()]],
@@ -185,7 +185,7 @@ mod tests {
         ] {
             assert!(page.contains(part), "no {part}");
         }
-        assert_eq!(page.matches("<script>").count(), 1, "words are no script");
-        assert!(!page.contains("://"), "nothing from elsewhere");
+        assert_eq!(page.matches("<script>").count(), 1, "markup in captions is text");
+        assert!(!page.contains("://"), "nothing from the network");
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures side by side on white, each with its label under it.
+//! Pictures side by side on white, each with its label below.
 
 use glam::Vec3;
 use noto_sans_mono_bitmap::{FontWeight, RasterHeight, get_raster, get_raster_width};
@@ -10,7 +10,7 @@ use pelage_core::scene::FilmSpec;
 
 const WHITE: [f32; 4] = [1.0; 4];
 
-/// A picture as a display shows it.
+/// A picture in display-linear colours, with its label.
 pub(super) struct Picture {
     width: usize,
     height: usize,
@@ -20,7 +20,7 @@ pub(super) struct Picture {
 }
 
 impl Picture {
-    /// A film through its exposure and tone mapping, over white where it is transparent.
+    /// A film after exposure and tone mapping, over white.
     pub(super) fn of(film: &Film, spec: &FilmSpec, label: String) -> Result<Self> {
         let pixels = film
             .premultiplied()?
@@ -28,7 +28,7 @@ impl Picture {
             .map(|&[r, g, b, a]| {
                 let alpha = a.clamp(0.0, 1.0);
                 let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
-                // The codes that a PNG of this film alone has.
+                // The code values that a PNG file of this film has.
                 let [r, g, b] =
                     display_rgb8(straight, spec).map(|code| alpha * srgb_decode(f32::from(code) / 255.0));
                 over([r, g, b, alpha], WHITE)
@@ -38,7 +38,7 @@ impl Picture {
     }
 }
 
-/// The sheet: `columns` pictures a row, row by row, each as wide as the widest. Its pixels are display-linear.
+/// The sheet, row by row with `columns` pictures each; every column is as wide as the widest picture. Its pixels are display-linear.
 pub(super) fn assemble(pictures: &[Picture], columns: u32) -> Film {
     let columns = (columns as usize).clamp(1, pictures.len().max(1));
     let widest = pictures.iter().map(|p| p.width).max().unwrap_or(1);
@@ -65,12 +65,12 @@ pub(super) fn assemble(pictures: &[Picture], columns: u32) -> Film {
     Film::from_premultiplied(sheet.width as u32, sheet.height() as u32, &sheet.pixels)
 }
 
-/// Grey with words in its middle, where a picture is missing. Display-linear.
-pub(super) fn slot(width: u32, height: u32, words: &str) -> Film {
+/// A grey placeholder for a missing picture, with a text in its middle. Display-linear.
+pub(super) fn slot(width: u32, height: u32, text: &str) -> Film {
     let [w, h] = [width as usize, height as usize];
     let mut sheet = Sheet { width: w, pixels: vec![[0.6, 0.6, 0.6, 1.0]; w * h] };
     let font = Font::for_width(w);
-    for (n, line) in font.wrap(words, w).iter().enumerate() {
+    for (n, line) in font.wrap(text, w).iter().enumerate() {
         sheet.write(font, line, [0, h / 2 + n * font.line()]);
     }
     Film::from_premultiplied(width, height, &sheet.pixels)
@@ -94,11 +94,11 @@ impl Font {
         self.0.val() + self.0.val() / 4
     }
 
-    /// Words in lines of at most `width` pixels; a word that is wider has a line of its own.
-    fn wrap(self, words: &str, width: usize) -> Vec<String> {
+    /// Breaks a text into lines of at most `width` pixels; a longer word gets a line of its own.
+    fn wrap(self, text: &str, width: usize) -> Vec<String> {
         let most = width / get_raster_width(FontWeight::Regular, self.0);
         let mut lines: Vec<String> = Vec::new();
-        for word in words.split_whitespace() {
+        for word in text.split_whitespace() {
             match lines.last_mut().filter(|line| line.chars().count() + 1 + word.chars().count() <= most) {
                 Some(line) => {
                     line.push(' ');
@@ -125,7 +125,7 @@ impl Sheet {
         self.pixels.resize(self.pixels.len() + rows * self.width, WHITE);
     }
 
-    /// Writes a line in black; what does not fit is left out.
+    /// Writes a line of text in black, clipped to the sheet.
     fn write(&mut self, font: Font, line: &str, [x, y]: [usize; 2]) {
         let step = get_raster_width(FontWeight::Regular, font.0);
         let height = self.height();
@@ -158,7 +158,7 @@ mod tests {
     }
 
     #[test]
-    fn pictures_stand_side_by_side_with_their_labels() {
+    fn pictures_are_side_by_side_with_their_labels() {
         let sheet = assemble(
             &[grey(80, 20, "(a) x"), grey(80, 20, "(b) y"), grey(80, 20, "a label of two lines")],
             2,

@@ -1,4 +1,4 @@
-//! `figure.toml`: what a figure consists of.
+//! `figure.toml`: the description of a figure.
 
 use crate::provenance::repository_path;
 use pelage_core::{Error, Result};
@@ -7,9 +7,9 @@ use std::path::{Path, PathBuf};
 
 /// The folder of the registry.
 pub(super) const FOLDER: &str = "paper_figures";
-/// The file in a figure's folder.
-const FILE: &str = "figure.toml";
-/// Widest panel and most samples of `--quick` where the figure names none.
+/// The description in a figure's folder.
+pub(super) const FILE: &str = "figure.toml";
+/// Widest panel and most samples of `--quick`, unless the figure sets its own.
 const QUICK_WIDTH: u32 = 240;
 const QUICK_SAMPLES: u32 = 4;
 
@@ -17,7 +17,7 @@ const QUICK_SAMPLES: u32 = 4;
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Figure {
-    /// One line.
+    /// Title, one line.
     pub title: String,
     /// Paper and number.
     pub source: String,
@@ -33,15 +33,15 @@ pub struct Figure {
     /// The panels, row by row.
     #[serde(default)]
     pub panels: Vec<Panel>,
-    /// What makes the figure instead of panels, or after them: one of [`super::study::STUDIES`].
+    /// Study that runs after the panels, or without any: one of [`super::study::STUDIES`].
     pub study: Option<String>,
-    /// What the study reads.
+    /// Settings of the study.
     #[serde(default)]
     pub settings: toml::Table,
-    /// Panels that are laid over each other in the report.
+    /// Pairs of panels that the report lays over each other.
     #[serde(default)]
     pub wipes: Vec<Wipe>,
-    /// What is otherwise with `--quick`.
+    /// Changes for `--quick`.
     #[serde(default)]
     pub quick: Quick,
 }
@@ -57,20 +57,20 @@ pub struct Panel {
     /// Overrides, as after `-D`.
     #[serde(default)]
     pub set: Vec<String>,
-    /// Frame of the scene's animation that is shown, from 1.
+    /// Frame of the scene's animation, from 1.
     #[serde(default = "one")]
     pub frame: u32,
-    /// A photograph instead of a scene, found like a scene's files.
+    /// A photograph instead of a scene; it is searched for like the files of a scene.
     pub image: Option<String>,
 }
 
-/// Two panels of one size, by their labels.
+/// Labels of two panels of equal size that a slider compares.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Wipe {
-    /// Seen left of the slider.
+    /// Shown left of the slider.
     pub left: String,
-    /// Seen right of it.
+    /// Shown right of it.
     pub right: String,
 }
 
@@ -78,14 +78,14 @@ pub struct Wipe {
 #[derive(Debug, Clone, Default, PartialEq, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Quick {
-    /// Pixels of a panel; `None`: the figure's, made no wider than 240.
+    /// Pixels of a panel; `None`: the figure's, scaled down to a width of at most 240.
     pub size: Option<[u32; 2]>,
-    /// Samples a pixel; `None`: the figure's, but no more than 4.
+    /// Samples a pixel; `None`: the figure's, at most 4.
     pub spp: Option<u32>,
-    /// Overrides for all panels, before their own.
+    /// Overrides for all panels, applied before their own.
     #[serde(default)]
     pub set: Vec<String>,
-    /// Settings of the study that are otherwise.
+    /// Settings of the study that replace those of the figure.
     #[serde(default)]
     pub settings: toml::Table,
 }
@@ -98,7 +98,7 @@ fn usual_size() -> [u32; 2] {
 }
 
 impl Figure {
-    /// The names of all figures, sorted as people count: `fig2` before `fig10`.
+    /// The names of all figures in natural order: `fig2` before `fig10`.
     ///
     /// # Errors
     /// [`Error::Usage`] if there is no folder `paper_figures/`, [`Error::Io`].
@@ -117,11 +117,11 @@ impl Figure {
         Ok(names)
     }
 
-    /// Reads the figure called `name`, with its folder, which has the full name. The part after the last hyphens will do where it
-    /// is unique: `fig8` for `andersen2016-fig8`.
+    /// Reads the figure called `name`; returns it with its folder. A unique ending after a hyphen is enough: `fig8` for
+    /// `andersen2016-fig8`.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the known names if there is none of that name, [`Error::Scene`] if its file is not valid.
+    /// [`Error::Usage`] with the known names if the name is unknown or ambiguous, [`Error::Scene`] if the figure's file is not valid.
     pub fn find(name: &str) -> Result<(Self, PathBuf)> {
         let names = Self::names()?;
         let end = format!("-{name}");
@@ -135,7 +135,7 @@ impl Figure {
             }
             (None, several) => {
                 let several: Vec<&str> = several.iter().map(|name| name.as_str()).collect();
-                return Err(Error::Usage(format!("{name:?} could be {}", several.join(", "))));
+                return Err(Error::Usage(format!("{name:?} is ambiguous: {}", several.join(", "))));
             }
         };
         let folder = repository_path(FOLDER)?.join(found);
@@ -172,18 +172,18 @@ impl Figure {
             return Err(format!("there is no study {name:?}; there are {}", known.join(", ")));
         }
         if self.study.is_none() && !(self.settings.is_empty() && self.quick.settings.is_empty()) {
-            return Err("settings are for a study, and there is none".into());
+            return Err("settings without a study".into());
         }
         for label in self.wipes.iter().flat_map(|w| [&w.left, &w.right]) {
-            // A study may name pictures of its own.
+            // A study may add pictures that wipes name.
             if self.study.is_none() && !self.panels.iter().any(|panel| panel.label == *label) {
-                return Err(format!("a wipe names {label:?}, which no panel is called"));
+                return Err(format!("a wipe names {label:?}, but no panel has this label"));
             }
         }
         Ok(())
     }
 
-    /// Pixels of a panel: as asked for, or by the kind of run.
+    /// Pixels of a panel: `asked`, if given, or those of the figure or of its quick version.
     pub(super) fn panel_size(&self, asked: Option<[u32; 2]>, quick: bool) -> [u32; 2] {
         let narrow = || {
             let [width, height] = self.size;
@@ -212,18 +212,18 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_fit_together_is_refused() {
-        for (text, words) in [
+    fn inconsistent_figures_are_errors() {
+        for (text, part) in [
             ("", "panels or a study"),
             ("[[panels]]\nlabel = \"a\"", "a scene or an image"),
             ("[[panels]]\nlabel = \"a\"\nscene = \"x\"\nimage = \"y\"", "a scene or an image"),
             ("study = \"alchemy\"", "alchemy"),
-            ("settings.x = 1\n[[panels]]\nlabel = \"a\"\nscene = \"x\"", "there is none"),
+            ("settings.x = 1\n[[panels]]\nlabel = \"a\"\nscene = \"x\"", "without a study"),
             ("[[panels]]\nlabel = \"a\"\nscene = \"x\"\n[[wipes]]\nleft = \"a\"\nright = \"b\"", "\"b\""),
             ("size = [0, 3]\n[[panels]]\nlabel = \"a\"\nscene = \"x\"", "size"),
         ] {
             let error = parse(text).expect_err(text).to_string();
-            assert!(error.contains(words) && error.contains("figure.toml"), "{text}: {error}");
+            assert!(error.contains(part) && error.contains("figure.toml"), "{text}: {error}");
         }
     }
 

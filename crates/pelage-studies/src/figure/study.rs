@@ -1,4 +1,4 @@
-//! Figures that are more than scenes side by side: each study is a function from a [`FigureContext`] to a [`FigureContent`].
+//! Figures that are more than scenes side by side. A study is a function from a [`FigureContext`] to a [`FigureContent`].
 
 mod boxes;
 mod canvas;
@@ -29,7 +29,7 @@ use pelage_core::Result;
 /// A study.
 pub type Study = fn(&FigureContext) -> Result<FigureContent>;
 
-/// All studies, by the names that `figure.toml` calls them.
+/// All studies by the names that `figure.toml` uses.
 pub static STUDIES: &[(&str, Study)] = &[
     ("environment", environment::make),
     ("errors", errors::make),
@@ -53,7 +53,7 @@ pub static STUDIES: &[(&str, Study)] = &[
     ("virtual_fragments", virtual_fragments::make),
 ];
 
-/// The study of a name.
+/// The study called `name`.
 pub fn find(name: &str) -> Option<Study> {
     STUDIES.iter().find(|(known, _)| *known == name).map(|(_, study)| *study)
 }

@@ -4,13 +4,20 @@ use super::escape;
 use serde::{Deserialize, Serialize};
 use std::fmt::Write;
 
-/// A curve.
+/// A named curve.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Curve {
     /// What it is.
     pub name: String,
     /// x and y. Points that are not finite are left out.
     pub points: Vec<[f64; 2]>,
+}
+
+impl Curve {
+    /// A curve through `points`.
+    pub fn new(name: impl Into<String>, points: Vec<[f64; 2]>) -> Self {
+        Self { name: name.into(), points }
+    }
 }
 
 /// Curves over common axes.
@@ -22,14 +29,15 @@ pub struct Plot {
     pub x: String,
     /// Name of the y axis.
     pub y: String,
-    /// Which axes are logarithmic; values there that are not positive are left out.
+    /// Whether x and y are logarithmic; values that are not positive are then left out.
     #[serde(default)]
     pub log: [bool; 2],
     /// The curves.
     pub curves: Vec<Curve>,
 }
 
-/// Readable on white and told apart without colour vision (Okabe and Ito).
+/// Colours that are distinguishable on white and with colour vision deficiency.
+// [OkabeIto2008]
 const COLORS: [&str; 7] = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000"];
 const SIZE: [f64; 2] = [460.0, 300.0];
 /// Left, right, top, bottom.
@@ -70,11 +78,11 @@ impl Plot {
         y.ticks().for_each(|t| line(place([low[0], t]), place([high[0], t]), "#ddd"));
         line(place(low), place([high[0], low[1]]), "#444");
         line(place(low), place([low[0], high[1]]), "#444");
-        let mut text = |[at_x, at_y]: [f64; 2], anchor: &str, words: &str, more: &str| {
+        let mut text = |[at_x, at_y]: [f64; 2], anchor: &str, text: &str, more: &str| {
             let _ = write!(
                 svg,
                 "<text x=\"{at_x:.1}\" y=\"{at_y:.1}\" text-anchor=\"{anchor}\"{more}>{}</text>",
-                escape(words)
+                escape(text)
             );
         };
         for t in x.ticks() {
@@ -104,7 +112,7 @@ impl Plot {
         svg + "</svg>"
     }
 
-    /// The plot as a file of its own: on white, with the names of its curves under it.
+    /// The plot as an SVG file: on white, with the names of its curves below.
     pub fn file(&self) -> String {
         const LINE: f64 = 17.0;
         let height = SIZE[1] + LINE * self.curves.len() as f64 + 6.0;
@@ -129,7 +137,7 @@ impl Plot {
         svg + "</svg>\n"
     }
 
-    /// What the colours of the curves mean.
+    /// The names of the curves with their colours, HTML.
     pub fn legend(&self) -> String {
         let entry = |(curve, color): (&Curve, &&str)| {
             format!("<span><i style=\"background:{color}\"></i>{}</span>", escape(&curve.name))
@@ -138,9 +146,9 @@ impl Plot {
     }
 }
 
-/// An axis from one round number to another.
+/// An axis between round numbers.
 struct Axis {
-    /// Logarithms to the base of ten where `log`.
+    /// Decimal logarithms if `log`.
     low: f64,
     high: f64,
     step: f64,
@@ -155,7 +163,7 @@ impl Axis {
         if low > high {
             (low, high) = (0.0, 1.0);
         }
-        // An axis that nearly starts at zero does start there.
+        // An axis that starts near zero starts at zero.
         if low > 0.0 && low < 0.4 * high {
             low = 0.0;
         }
@@ -188,7 +196,7 @@ impl Axis {
         self.value(self.high)
     }
 
-    /// Not finite for what has no place on a logarithmic axis.
+    /// Position along the axis, 0..1; not finite for a value that is not positive on a logarithmic axis.
     fn part(&self, value: f64) -> f64 {
         let place = if self.log { value.log10() } else { value };
         (place - self.low) / (self.high - self.low)
@@ -209,7 +217,7 @@ impl Axis {
             };
         }
         let digits = (-self.step.log10().floor()).clamp(0.0, 9.0) as usize;
-        // No minus before a zero.
+        // No negative zero.
         format!("{:.digits$}", if value.abs() < 0.5 * self.step { 0.0 } else { value })
     }
 }
@@ -219,7 +227,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_are_round_and_hold_everything() {
+    fn axes_are_round_and_contain_all_values() {
         for (values, low, high) in [
             (vec![0.0, 80.0], 0.0, 80.0),
             (vec![0.93, 1.04], 0.92, 1.04),
@@ -250,7 +258,7 @@ mod tests {
             ..Plot::default()
         };
         let file = plot.file();
-        assert_eq!(file.matches("<circle").count(), 1, "zero has no place");
+        assert_eq!(file.matches("<circle").count(), 1, "zero is left out");
         assert!(file.contains("xmlns") && file.contains(">one</text>"));
     }
 
@@ -262,7 +270,7 @@ mod tests {
             ..Plot::default()
         };
         let svg = plot.svg();
-        assert_eq!(svg.matches("<circle").count(), 2, "a point that is no number has no mark");
+        assert_eq!(svg.matches("<circle").count(), 2, "a point that is not a number is left out");
         assert!(svg.contains("a &lt; b") && !svg.contains("NaN"), "{svg}");
         assert!(plot.legend().contains("one"));
     }

@@ -1,4 +1,4 @@
-//! White hairs in white light: nothing may be lost, nothing gained.
+//! White furnace: white hairs in uniform white light may neither lose nor gain energy.
 
 use super::{Finding, Goal, Lab, Section};
 use crate::report::plot::{Curve, Plot};
@@ -8,29 +8,28 @@ use pelage_core::scene::{FibreModel, FibreSpec};
 use pelage_fur::Layer;
 use pelage_fur::fibre::{Fibre, Hit, offsets};
 use pelage_fur::random::{hash2, random};
-use pelage_pathtrace as pathtrace;
-use pelage_pathtrace::{Integrator, LightModel};
+use pelage_pathtrace::{self as pathtrace, Integrator, LightModel};
 use rayon::prelude::*;
 use std::f32::consts::{PI, TAU};
 
-/// Largest distance from 1 that is allowed.
+/// Largest allowed distance from 1.
 pub const GOAL: f64 = 0.01;
-/// The same for hairs with a medulla, whose scattering stands in tables.
+/// The same for hairs with a medulla, whose scattering is tabulated.
 pub const GOAL_TABLES: f64 = 0.02;
 
-/// What a model must keep.
+/// Energy conservation of a model.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Kind {
-    /// It loses and gains nothing.
+    /// Neither loses nor gains energy; whether its scattering is tabulated.
     Lossless(bool),
-    /// It gains nothing.
+    /// Gains no energy.
     Bounded,
-    /// It promises nothing.
+    /// No guarantee.
     Free,
 }
 
-/// Part of white light from all round that a white hair sends to an eye at the inclination whose sine is `sin`: mean of the weights of
-/// its own samples.
+/// Radiance that a white hair scatters to a direction of inclination asin(`sin`) under uniform white light of radiance 1, with importance
+/// sampling of the model: the mean of the weights of its samples.
 pub fn albedo_sampled(fibre: &Fibre, sin: f32, samples: u32) -> f64 {
     let wo = Vec3::new(sin, (1.0 - sin * sin).max(0.0).sqrt(), 0.0);
     let sum: f64 = (0..samples)
@@ -45,8 +44,8 @@ pub fn albedo_sampled(fibre: &Fibre, sin: f32, samples: u32) -> f64 {
     sum / f64::from(samples)
 }
 
-/// The same as an integral over the sphere, of `steps` inclinations, twice as many azimuths and, where the model depends on it, half as
-/// many offsets.
+/// The same by integration over the sphere, with `steps` inclinations, twice as many azimuths and, for near-field models, half as many
+/// offsets across the hair.
 pub fn albedo_integrated(fibre: &Fibre, sin: f32, steps: u32) -> f64 {
     let wo = Vec3::new(sin, (1.0 - sin * sin).max(0.0).sqrt(), 0.0);
     let across = if fibre.is_near_field() { steps / 2 } else { 1 };
@@ -70,7 +69,7 @@ fn white(h: f32) -> Hit {
     Hit { tint: Vec3::ONE, glint_angle: 0.6, h }
 }
 
-/// The models, lossless where they can be.
+/// The models, without absorption if possible.
 fn models() -> Vec<(&'static str, FibreSpec, Kind)> {
     let of = |model| FibreSpec { model: Some(model), ..FibreSpec::default() };
     let mut medulla = of(FibreModel::Medulla);
@@ -92,12 +91,13 @@ fn models() -> Vec<(&'static str, FibreSpec, Kind)> {
 pub fn run(lab: &Lab) -> Result<Section> {
     let mut section = Section {
         text: vec![
-            "Fibre models: part of white light from all round that a white hair sends to the eye, by the eye's inclination to the plane \
-             across the hair; mean over the offset at which it is seen, as an integral and by the model's own samples. A model that \
-             keeps all light has 1. Sadeghi's lobes promise nothing; normalised ones never send out more than arrives."
+            "Fibre models: radiance that a white hair scatters to the camera under uniform white light of radiance 1, by the inclination \
+             of the view direction to the plane across the hair; mean over the offset across the hair, as an integral and by the \
+             model's own samples. A model that conserves energy has 1. Sadeghi's lobes guarantee nothing; normalised ones never \
+             scatter more than arrives."
                 .into(),
-            "Path tracer: a ball in dense white fur on white skin under a white sky of radiance 1 is seen as 1 everywhere. What is \
-             missing is what paths lose that end too early."
+            "Path tracer: a ball with dense white fur on white skin under a white sky of radiance 1 has radiance 1 everywhere. A \
+             deficit comes from paths that end too early."
                 .into(),
         ],
         ..Section::default()
@@ -124,7 +124,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
             section.findings.push(judged(name, how, values, *kind));
         }
         let points = angles.iter().zip(&sampled).map(|(a, v)| [f64::from(*a), *v]).collect();
-        plot.curves.push(Curve { name: (*name).to_owned(), points });
+        plot.curves.push(Curve::new(*name, points));
         lab.step(i + 1, all)?;
     }
     section.plots.push(plot);
@@ -137,7 +137,7 @@ pub fn run(lab: &Lab) -> Result<Section> {
 
 fn judged(name: &str, how: &str, values: &[f64], kind: Kind) -> Finding {
     let case = format!("single fibre, 0 to 80 degrees, {how}");
-    // A maximum would pass over what is not a number.
+    // `f64::max` would ignore NaN.
     let largest = |value: &dyn Fn(f64) -> f64| {
         values.iter().map(|v| value(*v)).fold(f64::NEG_INFINITY, |a, b| if a >= b { a } else { b })
     };

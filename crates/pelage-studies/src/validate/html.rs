@@ -1,4 +1,4 @@
-//! The report as one page: no scripts, nothing from elsewhere; pictures lie beside it.
+//! The report as one HTML page without scripts, which needs nothing from the network. Pictures are files beside it.
 
 use super::{Finding, Report, Section};
 use crate::report::{Table, escape, number};
@@ -45,7 +45,7 @@ pub fn page(report: &Report) -> String {
         n => ("missed", format!("{n} of {with_goal} goals are missed.")),
     };
     let _ = writeln!(page, "<p class=\"{class}\">{verdict}</p>");
-    page += "<h2>Every approximation and its error</h2>\n";
+    page += "<h2>All findings</h2>\n";
     page += &findings(report.findings());
     report.sections.iter().for_each(|s| page += &section(s));
     page + "</body></html>\n"
@@ -81,8 +81,8 @@ fn section(section: &Section) -> String {
     for paragraph in &section.text {
         let _ = writeln!(html, "<p>{}</p>", escape(paragraph));
     }
-    for words in &section.skipped {
-        let _ = writeln!(html, "<p class=\"skipped\">Left out: {}</p>", escape(words));
+    for reason in &section.skipped {
+        let _ = writeln!(html, "<p class=\"skipped\">Left out: {}</p>", escape(reason));
     }
     if !section.plots.is_empty() {
         html += "<div class=\"plots\">";

@@ -1,24 +1,25 @@
-//! What experiments work with: scenes, the renderer, the path tracer, the report's folder.
+//! The surroundings of an experiment: scenes, the renderer, the path tracer, and the report's folder.
 
 use super::{Level, Options, Picture};
+use crate::compare::{self, Comparison};
 use crate::provenance::repository_path;
+use crate::rendering::render_whole;
 use pelage_core::assets::Assets;
 use pelage_core::film::{Film, Metadata, io};
 use pelage_core::scene::{FilmSpec, Tonemap};
 use pelage_core::{Error, Result, Scene, World};
 use pelage_gpu::Gpu;
-use pelage_pathtrace as pathtrace;
-use pelage_pathtrace::LightModel;
-use pelage_render::{Frame, RenderOptions};
+use pelage_pathtrace::{self as pathtrace, LightModel};
+use pelage_render::Frame;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Scenes of the experiments.
+/// Folder of the experiments' scenes.
 const FOLDER: &str = "scenes/validate";
 
-/// The place of an experiment.
+/// The surroundings of an experiment.
 pub struct Lab<'a> {
-    /// How much is measured.
+    /// Extent of the validation.
     pub level: Level,
     gpu: &'a Gpu,
     out: &'a Path,
@@ -28,7 +29,7 @@ pub struct Lab<'a> {
 }
 
 impl<'a> Lab<'a> {
-    /// On an open device. `show` is told what part of the experiment is done.
+    /// A lab on an open device. `show` is called with the part of the experiment that is done, 0..1.
     pub fn new(
         gpu: &'a Gpu,
         options: &'a Options,
@@ -38,7 +39,7 @@ impl<'a> Lab<'a> {
         Self { level: options.level, gpu, out: &options.out, cases: &options.cases, show, cancel }
     }
 
-    /// One of three values by the level.
+    /// One of three values, by the level.
     pub fn choose<T>(&self, quick: T, usual: T, full: T) -> T {
         match self.level {
             Level::Quick => quick,
@@ -47,15 +48,15 @@ impl<'a> Lab<'a> {
         }
     }
 
-    /// Whether a case is asked for.
+    /// Whether a case is selected.
     pub fn wants(&self, case: &str) -> bool {
         self.cases.is_empty() || self.cases.iter().any(|part| case.contains(part))
     }
 
-    /// Says that `done` of `all` steps are done.
+    /// Reports that `done` of `all` steps are done.
     ///
     /// # Errors
-    /// [`Error::Interrupted`] if the user wants an end.
+    /// [`Error::Interrupted`] if the user has interrupted.
     pub fn step(&self, done: usize, all: usize) -> Result<()> {
         self.part(done as f32 / all.max(1) as f32)
     }
@@ -65,32 +66,26 @@ impl<'a> Lab<'a> {
         if self.cancel.load(Ordering::Relaxed) { Err(Error::Interrupted) } else { Ok(()) }
     }
 
-    /// A scene of the experiments with overrides.
+    /// Loads a scene of the experiments, with overrides.
     ///
     /// # Errors
-    /// [`Error::Usage`] where the repository is not found, those of [`Scene::load`] and [`World::load`].
+    /// [`Error::Usage`] if the repository is not found; those of [`Scene::load`] and [`World::load`].
     pub fn world(&self, name: &str, overrides: &[String]) -> Result<(World, Assets)> {
         let path = repository_path(&format!("{FOLDER}/{name}.toml"))?;
         let (scene, assets) = Scene::load(&path, overrides)?;
         Ok((World::load(scene, &assets)?, assets))
     }
 
-    /// The renderer's image.
+    /// Renders a world with all planes.
     ///
     /// # Errors
-    /// Those of [`render::render_on`]; [`Error::Interrupted`].
+    /// Those of [`pelage_shells::render_on`]; [`Error::Interrupted`].
     pub fn render(&self, world: &World) -> Result<Frame> {
-        let options = RenderOptions { aovs: true, cancel: Some(self.cancel), ..RenderOptions::default() };
-        let frame = pelage_shells::render_on(self.gpu, world, &options)?;
-        match frame.fault {
-            Some(fault) => Err(fault),
-            None if frame.complete => Ok(frame),
-            None => Err(Error::Interrupted),
-        }
+        render_whole(self.gpu, world, 0.0, self.cancel)
     }
 
-    /// The path tracer's image with the renderer's lights, unless `options` says otherwise. `steps` says which of how many steps of
-    /// the experiment this is.
+    /// Path traces a world, with the renderer's lights unless `options` sets others. `[step, all]` is the number of this step of the
+    /// experiment, and that of all steps.
     ///
     /// # Errors
     /// Those of [`pathtrace::render`]; [`Error::Interrupted`].
@@ -111,7 +106,7 @@ impl<'a> Lab<'a> {
         if outcome.complete { Ok(outcome) } else { Err(Error::Interrupted) }
     }
 
-    /// Writes a picture of linear light at `exposure` stops, without a tone curve: what the metrics of displayed images see.
+    /// Writes an image at `exposure` stops without a tone curve, as the metrics of displayed images compare it.
     ///
     /// # Errors
     /// [`Error::Io`].
@@ -120,5 +115,28 @@ impl<'a> Lab<'a> {
         let spec = FilmSpec { tonemap: Tonemap::None, exposure, ..FilmSpec::default() };
         io::write(film, self.out.join(&file), &Metadata::of_program(), &spec)?;
         Ok(Picture { file, caption: caption.to_owned() })
+    }
+}
+
+/// An approximation's image, and its differences from the ground truth.
+pub(super) struct Approximation {
+    pub(super) film: Film,
+    /// Time taken, s.
+    pub(super) seconds: f64,
+    /// Number of guard hairs.
+    pub(super) strands: u64,
+    pub(super) compared: Comparison,
+}
+
+impl Approximation {
+    /// Compares a frame with the ground truth, both at `exposure` stops.
+    pub(super) fn new(frame: Frame, truth: &Film, exposure: f32) -> Result<Self> {
+        let options = compare::Options { exposure: f64::from(exposure), ..compare::Options::default() };
+        Ok(Self {
+            compared: compare::compare_with(&frame.film, truth, &options)?,
+            seconds: frame.stats.total_ms / 1e3,
+            strands: frame.stats.strands,
+            film: frame.film,
+        })
     }
 }

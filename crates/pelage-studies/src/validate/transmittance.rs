@@ -1,17 +1,15 @@
-//! How much light passes a slab of upright hairs.
+//! Transmittance of a slab of upright hairs.
 
 use super::{Exhibit, Finding, Goal, Lab, Section, Table};
 use crate::report::plot::{Curve, Plot};
 use glam::{Vec2, Vec3, Vec3A, Vec4};
 use pelage_core::{Result, World};
-use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
 use pelage_fur::random::{hash2, random};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::Undercoat;
-use pelage_fur::view;
-use pelage_fur::{camera, groom};
+use pelage_fur::{Layer, camera, groom, view};
 use pelage_pathtrace::bvh::Ray;
 use pelage_pathtrace::geometry::{Geometry, Hit, RayOrigin};
 use pelage_pathtrace::grow::{GrowOptions, Patch, grow};
@@ -20,67 +18,68 @@ use rayon::prelude::*;
 use std::f32::consts::TAU;
 use std::f64::consts::PI;
 
-/// Largest difference of a transmittance that is allowed.
+/// Largest allowed difference of a transmittance.
 pub const GOAL: f64 = 0.02;
-/// Hairs stand within this distance of the middle, cm.
+/// Hairs have their roots within about this distance of the centre, cm.
 const REACH: f32 = 2.6;
-/// Rays end within this distance of the middle, cm.
+/// Rays end within this distance of the centre, cm.
 const TARGET: f32 = 0.6;
-/// Where rays start above the skin, in heights of the slab.
+/// Height above the skin at which rays start, in heights of the slab.
 const ABOVE: f32 = 1.2;
 
-/// A slab of upright hairs of even thickness.
+/// A slab of upright hairs of constant diameter.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Slab {
     /// Hairs/cm².
     pub density: f32,
-    /// cm.
+    /// Diameter of a hair, cm.
     pub diameter: f32,
-    /// cm.
+    /// Height of the slab, cm.
     pub height: f32,
-    /// Mean of the hairs that are there, over the height: their ends thin out.
+    /// Mean part of the hairs that is present, over the height; towards their ends hairs thin out.
     pub fill: f64,
 }
 
-/// How roots are strewn.
+/// Distribution of the roots.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Roots {
-    /// Each anywhere: a Poisson process.
+    /// Independent and uniform.
     Random,
     /// One in each square of a grid.
     Jittered,
 }
 
 impl Slab {
-    /// That of a scene whose undercoat is even and upright.
+    /// The slab of a scene whose undercoat is uniform and upright.
     ///
     /// # Errors
     /// Those of [`groom::pack`].
     pub fn of(world: &World) -> Result<Self> {
-        let coat = &world.scene.undercoat;
+        let spec = &world.scene.undercoat;
         let packed = groom::pack(world)?;
         let shell = Shell::default();
         let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
-        let layers = coat.layers.max(1);
+        let layers = spec.layers.max(1);
         let at =
             |l: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (l as f32 + 0.5) / layers as f32, 0).density;
         let fill = (0..layers).map(|l| f64::from(at(l))).sum::<f64>() / f64::from(layers);
         Ok(Self {
-            density: coat.density.max(),
-            diameter: coat.diameter[0] * 1e-4,
-            height: coat.height.max(),
+            density: spec.density.max(),
+            diameter: spec.diameter[0] * 1e-4,
+            height: spec.height.max(),
             fill,
         })
     }
 
-    /// Part of the light that passes at `angle` radians from the normal: exp(-n d s sin θ), with the way s = H / cos(angle) and the
-    /// hairs' angle θ = angle.
+    /// Transmittance at `angle` radians from the normal: exp(-n d s sin θ), with path length s = H / cos(angle) and the angle θ = `angle`
+    /// between ray and hairs.
     pub fn expected(&self, angle: f64) -> f64 {
-        let square = f64::from(self.density) * f64::from(self.diameter) * f64::from(self.height) * self.fill;
-        (-square * angle.tan()).exp()
+        let projected =
+            f64::from(self.density) * f64::from(self.diameter) * f64::from(self.height) * self.fill;
+        (-projected * angle.tan()).exp()
     }
 
-    /// Its hairs without ends that thin out, as strands around the middle.
+    /// Its hairs as strands of full length around the centre.
     pub fn strands(&self, roots: Roots, seed: u32) -> Strands {
         let side = 1.0 / self.density.sqrt();
         let cells = (REACH / side).ceil() as i32;
@@ -114,7 +113,7 @@ impl Slab {
     }
 }
 
-/// Part of `rays` rays at `angle` radians from the normal that come through hairs of `height` cm to the skin, which is the plane y = 0.
+/// Part of `rays` rays at `angle` radians from the normal that pass through hairs of `height` cm to the skin, the plane y = 0.
 pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
     let passed: u32 = (0..rays)
         .into_par_iter()
@@ -133,9 +132,9 @@ pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
     f64::from(passed) / f64::from(rays)
 }
 
-/// Largest difference between two curves of the same places.
+/// Largest difference between two curves with the same x values; NaN if one is NaN.
 pub fn worst(found: &[[f64; 2]], expected: &[[f64; 2]]) -> f64 {
-    // A maximum would pass over what is not a number.
+    // `f64::max` would ignore NaN.
     found
         .iter()
         .zip(expected)
@@ -143,7 +142,7 @@ pub fn worst(found: &[[f64; 2]], expected: &[[f64; 2]]) -> f64 {
         .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
 
-/// The march through the volume: mean part of the skin's light that is seen at `degrees`, and what is expected.
+/// Mean transmittance to the skin by the march through the volume at `degrees` from the normal, and the expected one.
 fn marched(lab: &Lab, world: &World, slab: &Slab, degrees: f32) -> Result<[f64; 2]> {
     let mut world = world.clone();
     let (sin, cos) = degrees.to_radians().sin_cos();
@@ -225,11 +224,8 @@ pub fn run(lab: &Lab) -> Result<Section> {
         lab.step(done, all)?;
     }
     add("march through the volume", found, &expected, true);
-    let mut table = Table {
-        caption: "Transmittance by the angle to the normal, degrees".into(),
-        head: ["angle", "Beer and Lambert, with thinned ends", "without"].map(String::from).to_vec(),
-        rows: Vec::new(),
-    };
+    let head = ["angle", "Beer and Lambert, with thinned ends", "without"];
+    let mut table = Table::new("Transmittance by the angle to the normal, degrees", &head, Vec::new());
     table.head.extend(curves.iter().map(|(name, _)| name.clone()));
     for (i, degrees) in angles.iter().enumerate() {
         let exact = [slab, full].map(|s| s.expected(f64::from(*degrees).to_radians()));
@@ -244,9 +240,9 @@ pub fn run(lab: &Lab) -> Result<Section> {
         x: "angle to the normal, degrees".into(),
         y: "transmittance".into(),
         log: [false; 2],
-        curves: vec![Curve { name: "Beer and Lambert".into(), points: exact(&slab) }],
+        curves: vec![Curve::new("Beer and Lambert", exact(&slab))],
     };
-    plot.curves.extend(curves.into_iter().map(|(name, points)| Curve { name, points }));
+    plot.curves.extend(curves.into_iter().map(|(name, points)| Curve::new(name, points)));
     section.plots.push(plot);
     Ok(section)
 }
@@ -254,17 +250,17 @@ pub fn run(lab: &Lab) -> Result<Section> {
 fn text(slab: &Slab) -> Vec<String> {
     vec![
         format!(
-            "Upright hairs, {} to the cm², {:.0} µm thick, {} cm high. Random parallel cylinders let exp(-n d s sin θ) of the light pass. \
-             Strands are met by rays through the path tracer's geometry; the march is seen as the light of a white skin below a volume \
-             that scatters nothing back. Strands that are grown from the scene and the march share the ends that thin out ({:.1} % of \
-             the hair is there); the other strands have full length.",
+            "Upright hairs, {} to the cm², {:.0} µm thick, {} cm high. The transmittance of random parallel cylinders is \
+             exp(-n d s sin θ). Strands are intersected by rays in the path tracer's geometry; the march is measured by the light \
+             from a white skin below a volume that scatters nothing. Towards their ends the hairs of the march and of the strands \
+             grown from the scene thin out ({:.1} % of the hair is present); the other strands have full length.",
             slab.density,
             slab.diameter * 1e4,
             slab.height,
             100.0 * slab.fill
         ),
-        "Roots strewn evenly over a grid block more light than random ones: they are shown for comparison and have no goal. Along the \
-         hairs (0 degrees) strands block the area of their ends, which the formula does not have."
+        "Roots jittered on a grid block more light than random ones; they are shown for comparison and have no goal. Along the \
+         hairs (0 degrees) strands block the area of their ends, which the formula neglects."
             .into(),
     ]
 }

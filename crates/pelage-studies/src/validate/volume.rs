@@ -1,34 +1,33 @@
-//! Undercoat as a volume against the same hairs as strands. Both scatter light once, from the same lights with the same fibre model:
-//! what differs is the volume.
+//! Undercoat as a volume against the same hairs as strands. Both have the same lights, the same fibre model and single scattering, so that
+//! only the volume differs.
 
+use super::lab::Approximation;
 use super::{Exhibit, Finding, Goal, Lab, Picture, Section, Table};
-use crate::compare;
-use crate::compare::{Comparison, ErrorImage};
+use crate::compare::{self, ErrorImage};
 use crate::report::plot::{Curve, Plot};
 use pelage_core::film::Film;
 use pelage_core::scene::LightLookup;
 use pelage_core::{Result, World};
-use pelage_pathtrace as pathtrace;
-use pelage_pathtrace::Integrator;
+use pelage_pathtrace::{self as pathtrace, Integrator};
 
-/// Largest difference of the mean coverage that is allowed.
+/// Largest allowed difference of the mean coverage.
 pub const GOAL_COVERAGE: f64 = 0.02;
 
-/// How the march learns what lies between it and a light.
-struct Way {
+/// A method to find the optical depth towards a light.
+struct Lookup {
     name: &'static str,
     light: LightLookup,
-    /// Largest distance of the luminance ratio from 1 that is allowed.
+    /// Largest allowed distance of the luminance ratio from 1.
     goal: f64,
 }
 
-/// The volume itself, and with the light lattice.
-const WAYS: [Way; 2] = [
-    Way { name: "undercoat as a volume, light marched", light: LightLookup::Nested, goal: 0.05 },
-    Way { name: "undercoat as a volume, light lattice", light: LightLookup::Lattice, goal: 0.1 },
+/// A nested march, which leaves the error of the volume alone, and the optical-depth lattice.
+const LOOKUPS: [Lookup; 2] = [
+    Lookup { name: "undercoat as a volume, light marched", light: LightLookup::Nested, goal: 0.05 },
+    Lookup { name: "undercoat as a volume, lattice", light: LightLookup::Lattice, goal: 0.1 },
 ];
 
-/// One property of the fur, the values that it takes and that of the other cases.
+/// A property of the fur, and the values that it takes.
 struct Sweep {
     name: &'static str,
     key: &'static str,
@@ -82,9 +81,9 @@ pub fn run(lab: &Lab) -> Result<Section> {
             }
             let patch = Patch::measure(lab, &format!("{}={value:?}", sweep.key), [done, all])?;
             section.findings.extend(patch.findings(&case));
-            for (k, shot) in patch.shots.iter().enumerate() {
-                curves[k].push([*value, shot.compared.all.luminance_ratio]);
-                curves[2 + k].push([*value, shot.compared.all.relative_mse]);
+            for (k, image) in patch.images.iter().enumerate() {
+                curves[k].push([*value, image.compared.all.luminance_ratio]);
+                curves[2 + k].push([*value, image.compared.all.relative_mse]);
             }
             section.exhibits.push(patch.exhibit(lab, &case)?);
             done += 1;
@@ -93,13 +92,13 @@ pub fn run(lab: &Lab) -> Result<Section> {
         if sweep.values.len() > 1 {
             let [a, b, c, d] = curves;
             for (y, both) in [("luminance ratio", [a, b]), ("relative MSE", [c, d])] {
-                let curve = |(way, points): (&Way, Vec<[f64; 2]>)| Curve { name: way.name.into(), points };
+                let curve = |(lookup, points): (&Lookup, _)| Curve::new(lookup.name, points);
                 section.plots.push(Plot {
                     caption: format!("{y} of volume and strands by {}", sweep.name),
                     x: sweep.name.into(),
                     y: y.into(),
                     log: [false; 2],
-                    curves: WAYS.iter().zip(both).map(curve).collect(),
+                    curves: LOOKUPS.iter().zip(both).map(curve).collect(),
                 });
             }
         }
@@ -107,17 +106,11 @@ pub fn run(lab: &Lab) -> Result<Section> {
     Ok(section)
 }
 
-/// A volume's picture.
-struct Shot {
-    film: Film,
-    compared: Comparison,
-    seconds: f64,
-}
-
 /// A patch of fur both as strands and as a volume.
 struct Patch {
     strands: pathtrace::Outcome,
-    shots: Vec<Shot>,
+    /// The volume with each lookup.
+    images: Vec<Approximation>,
     exposure: f32,
 }
 
@@ -134,32 +127,26 @@ impl Patch {
         };
         let strands = lab.trace(&world, options, place)?;
         let exposure = world.scene.film.exposure;
-        let options = compare::Options { exposure: f64::from(exposure), ..compare::Options::default() };
-        let mut shots = Vec::new();
-        for way in &WAYS {
-            world.scene.render.light = way.light;
-            let frame = lab.render(&world)?;
-            shots.push(Shot {
-                compared: compare::compare_with(&frame.film, &strands.film, &options)?,
-                film: frame.film,
-                seconds: frame.stats.total_ms / 1e3,
-            });
+        let mut images = Vec::new();
+        for lookup in &LOOKUPS {
+            world.scene.render.light = lookup.light;
+            images.push(Approximation::new(lab.render(&world)?, &strands.film, exposure)?);
         }
-        Ok(Self { strands, shots, exposure })
+        Ok(Self { strands, images, exposure })
     }
 
     fn findings(&self, case: &str) -> Vec<Finding> {
         let mut findings = Vec::new();
-        for (way, shot) in WAYS.iter().zip(&self.shots) {
-            let m = &shot.compared.all;
+        for (lookup, image) in LOOKUPS.iter().zip(&self.images) {
+            let m = &image.compared.all;
             let find = |metric, value, goal| {
-                Finding::new(way.name, case, metric, value, goal).in_seconds(shot.seconds)
+                Finding::new(lookup.name, case, metric, value, goal).in_seconds(image.seconds)
             };
-            findings.push(find("luminance ratio", m.luminance_ratio, Some(Goal::OneWithin(way.goal))));
+            findings.push(find("luminance ratio", m.luminance_ratio, Some(Goal::OneWithin(lookup.goal))));
             findings.push(find("relative MSE", m.relative_mse, None));
         }
-        // It does not depend on the light.
-        let difference = (coverage(&self.shots[0].film) - coverage(&self.strands.film)).abs();
+        // The coverage does not depend on the lookup.
+        let difference = (coverage(&self.images[0].film) - coverage(&self.strands.film)).abs();
         let goal = Some(Goal::AtMost(GOAL_COVERAGE));
         findings.push(Finding::new(
             "undercoat as a volume",
@@ -184,35 +171,33 @@ impl Patch {
             "26 px",
             "time, s",
         ];
-        let row = |(way, shot): (&Way, &Shot)| {
-            let m = &shot.compared.all;
-            let numbers = [m.luminance_ratio, coverage(&shot.film), m.relative_mse, m.flip];
+        let row = |(lookup, image): (&Lookup, &Approximation)| {
+            let m = &image.compared.all;
+            let numbers = [m.luminance_ratio, coverage(&image.film), m.relative_mse, m.flip];
             let numbers = numbers.into_iter().chain(m.detail_ratio).map(|v| format!("{v:.4}"));
-            std::iter::once(way.name.to_owned())
+            std::iter::once(lookup.name.to_owned())
                 .chain(numbers)
-                .chain([format!("{:.2}", shot.seconds)])
+                .chain([format!("{:.2}", image.seconds)])
                 .collect()
         };
-        let table = Table {
-            caption: format!(
-                "{case}. Strands: {} samples a pixel, {:.0} s, coverage {:.4}, their own relative MSE {:.5}.",
-                self.strands.samples,
-                self.strands.seconds,
-                coverage(&self.strands.film),
-                self.strands.error
-            ),
-            head: head.map(String::from).to_vec(),
-            rows: WAYS.iter().zip(&self.shots).map(row).collect(),
-        };
+        let caption = format!(
+            "{case}. Strands: {} samples a pixel, {:.0} s, coverage {:.4}, their own relative MSE {:.5}.",
+            self.strands.samples,
+            self.strands.seconds,
+            coverage(&self.strands.film),
+            self.strands.error
+        );
+        let table = Table::new(caption, &head, LOOKUPS.iter().zip(&self.images).map(row).collect());
         let options = compare::Options { exposure: f64::from(self.exposure), ..compare::Options::default() };
         let picture = |film: &Film, exposure: f32, what: &str| -> Result<Picture> {
             lab.picture(film, exposure, &format!("volume {case} {what}"), what)
         };
         let mut pictures = vec![picture(&self.strands.film, self.exposure, "strands")?];
-        for (way, shot) in WAYS.iter().zip(&self.shots) {
-            pictures.push(picture(&shot.film, self.exposure, way.name)?);
-            let flip = compare::error_image_with(&shot.film, &self.strands.film, ErrorImage::Flip, &options)?;
-            pictures.push(picture(&flip, 0.0, &format!("{}: FLIP", way.name))?);
+        for (lookup, image) in LOOKUPS.iter().zip(&self.images) {
+            pictures.push(picture(&image.film, self.exposure, lookup.name)?);
+            let flip =
+                compare::error_image_with(&image.film, &self.strands.film, ErrorImage::Flip, &options)?;
+            pictures.push(picture(&flip, 0.0, &format!("{}: FLIP", lookup.name))?);
         }
         Ok(Exhibit { table: Some(table), pictures })
     }
@@ -220,14 +205,15 @@ impl Patch {
 
 fn text() -> Vec<String> {
     vec![
-        "A flat patch of undercoat, rendered as a volume and path traced with every hair a strand. Both scatter light once; lights, hair \
-         colours and the fibre model are the same, so that only the volume is measured. Strands have the directions and the density \
-         of the volume's field. Once the way to each light is marched at every step, which leaves the medium's own error: even \
-         extinction in place of single hairs. Once it is looked up in the light lattice, as pictures are made."
+        "A flat patch of undercoat, rendered as a volume and path traced with every hair a strand. Both have single scattering; lights, \
+         hair colours and the fibre model are the same, so that only the volume is measured. Strands have the directions and the \
+         density of the volume's field. The optical depth towards each light is found by a nested march at every step, which \
+         leaves the medium's own error (homogeneous extinction in place of single hairs), or in the optical-depth lattice, the \
+         renderer's default."
             .into(),
-        "One property is varied at a time; the others are those of scenes/validate/patch.toml. Detail: power of the luminance in octaves of \
-         the period, of the volume by that of the strands less their noise; below 1 the volume is too soft. A medium cannot show single \
-         hairs, and does not try to."
+        "One property is varied at a time; the others are those of scenes/validate/patch.toml. Detail: power of the luminance in octaves \
+         of the period, of the volume by that of the strands without their noise; below 1 the volume is too soft. A medium cannot \
+         show single hairs."
             .into(),
     ]
 }

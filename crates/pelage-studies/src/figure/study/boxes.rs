@@ -1,4 +1,4 @@
-//! Subelements found through a tree of boxes, by points and by rays.
+//! A tree of bounding boxes over subelements, queried by points and by rays.
 
 use super::subelements::{cells, corners};
 use glam::{Vec3, Vec3A};
@@ -6,32 +6,37 @@ use pelage_fur::shell::{Located, Place, Shell, subelement, subelement_centroid};
 use pelage_pathtrace::bvh::{Bounds, Bvh, Part, Ray, Stack};
 use pelage_render::twin::undercoat_march::MarchInputs;
 
-/// A ray: direction of forward component 1, entry, length of the first step, and the skin.
+/// A ray that enters the shell.
 pub(super) struct Start {
+    /// Direction, with a component of 1 along the camera's axis.
     pub(super) ray: Vec3,
+    /// Depth of the entry, cm.
     pub(super) z: f32,
+    /// Prism of the entry.
     pub(super) prism: u32,
+    /// First step, part of the step length.
     pub(super) phase: f32,
+    /// Depth of the skin, cm.
     pub(super) z_base: f32,
 }
 
-/// A piece of even medium on a ray.
+/// An interval of a ray with homogeneous medium.
 pub(super) struct Piece {
     /// Depths, cm.
     pub(super) from: f32,
     pub(super) to: f32,
     pub(super) place: Place,
-    /// Extinction and radiance, where the way has already looked them up.
+    /// Extinction and source radiance, if they are known already.
     pub(super) shaded: Option<(f32, Vec3)>,
 }
 
-/// A tree of boxes over all subelements, with their bodies.
+/// A tree of bounding boxes over all subelements, with their corners.
 pub(super) struct Tree<'a> {
     shell: &'a Shell,
     layers: u32,
     d: u32,
     pub(super) bvh: Bvh,
-    /// Corners of each subelement in the order of equation 3.
+    /// Corners of each subelement, in the order of [Andersen2016] eq. 3.
     pub(super) bodies: Vec<[Vec3; 6]>,
 }
 
@@ -49,20 +54,20 @@ impl<'a> Tree<'a> {
             let body = bodies[part.thing as usize].map(Vec3A::from);
             let low = body.iter().fold(Vec3A::INFINITY, |a, b| a.min(*b));
             let high = body.iter().fold(Vec3A::NEG_INFINITY, |a, b| a.max(*b));
-            // Room for the walls' bend and for rounding.
+            // Room for the curved walls and for rounding.
             let margin = Vec3A::splat(1e-4) + 0.02 * (high - low);
             Bounds { low: low - margin, high: high + margin }
         });
         Self { shell, layers, d, bvh, bodies }
     }
 
-    /// Prism, layer and local index of a body: [Andersen2016] eq. 3 backwards.
+    /// Prism, layer and local index of a body, the inverse of [Andersen2016] eq. 3.
     fn numbers(&self, body: u32) -> (u32, u32, u32) {
         let cells = 1u32 << (2 * self.d);
         (body / cells / self.layers, body / cells % self.layers, body % cells)
     }
 
-    /// The steps of the march, each asking the tree for the subelement it is in.
+    /// The steps of the march, where each step queries the tree for its subelement.
     pub(super) fn ask_at_steps(
         &self,
         inputs: &MarchInputs<'_>,
@@ -79,7 +84,7 @@ impl<'a> Tree<'a> {
             let x = eye + z_mid * start.ray;
             let Some(place) = self.find(x, start.ray, stack).or_else(|| self.starting(x, start, z, dz))
             else {
-                // As the march does: a last, shorter step up to the skin or the top, from the place where it ends.
+                // As in the march: a last, shorter step that ends at the skin or at the top.
                 let Some(last) = pieces.last() else {
                     return;
                 };
@@ -105,7 +110,7 @@ impl<'a> Tree<'a> {
         }
     }
 
-    /// The place of a first step whose middle lies a little above the top, by rounding.
+    /// The place of a first step whose midpoint lies slightly above the top because of rounding.
     fn starting(&self, x: Vec3, start: &Start, z: f32, dz: f32) -> Option<Place> {
         if z > start.z {
             return None;
@@ -116,7 +121,7 @@ impl<'a> Tree<'a> {
         (found == Located::Inside && close).then_some(place)
     }
 
-    /// The place of a point by the tree: a ray of no length shows the boxes around it.
+    /// The place of a point, by the tree: a ray of length 0 visits the boxes around it.
     fn find(&self, x: Vec3, ray: Vec3, stack: &mut Stack) -> Option<Place> {
         let mut found = None;
         let box_ray = Ray::new(Vec3A::from(x), Vec3A::from(ray.normalize_or(Vec3::Z)));
@@ -136,7 +141,7 @@ impl<'a> Tree<'a> {
         found
     }
 
-    /// All subelements that a ray meets, each with the length of its way through it.
+    /// All subelements that a ray crosses, with the interval in each.
     pub(super) fn meet(&self, eye: Vec3, start: &Start, stack: &mut Stack, pieces: &mut Vec<Piece>) {
         let direction = start.ray.normalize_or(Vec3::Z);
         let ray = Ray::new(Vec3A::from(eye), Vec3A::from(direction));
@@ -156,7 +161,8 @@ impl<'a> Tree<'a> {
     }
 }
 
-/// Where a ray is within a body whose walls are cut into triangles; `None` where it misses.
+/// Interval of a ray within a body whose walls are split into triangles; `None` if it misses.
+// [MollerTrumbore1997]
 fn interval(body: &[Vec3; 6], origin: Vec3, direction: Vec3) -> Option<(f32, f32)> {
     let (mut low, mut high, mut hits) = (f32::INFINITY, f32::NEG_INFINITY, 0);
     let mut hit = |a: Vec3, b: Vec3, c: Vec3| {
@@ -179,7 +185,7 @@ fn interval(body: &[Vec3; 6], origin: Vec3, direction: Vec3) -> Option<(f32, f32
     for k in 0..3 {
         let next = (k + 1) % 3;
         let [a, b, c, d] = [body[k], body[next], body[next + 3], body[k + 3]];
-        // The same diagonal from both sides of a wall: that from the corner which comes first in space.
+        // Both bodies at a wall split it along the same diagonal, from the corner that is first in lexicographic order.
         let first = a.to_array() < b.to_array();
         let (p, q) = if first { ([a, b, c], [a, c, d]) } else { ([a, b, d], [b, c, d]) };
         hit(p[0], p[1], p[2]);
@@ -193,7 +199,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ray_is_as_long_within_a_body_as_it_is() {
+    fn the_interval_within_a_body_is_exact() {
         let base = [Vec3::ZERO, Vec3::X, Vec3::Y];
         let top = base.map(|p| p + 2.0 * Vec3::Z);
         let body = [base[0], base[1], base[2], top[0], top[1], top[2]];

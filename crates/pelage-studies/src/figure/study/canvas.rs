@@ -1,4 +1,4 @@
-//! Drawings in space for figures: triangles, thick lines and textured quads with a depth buffer, without a GPU.
+//! Perspective drawings for figures, on the CPU: triangles, thick lines, and textured quads with a depth buffer.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::film::Film;
@@ -17,11 +17,11 @@ pub(super) struct Canvas {
     eye: Vec3,
     /// Right, up, forward.
     axes: [Vec3; 3],
-    /// Samples by tangent of the angle.
+    /// Samples per tangent of the angle from the axis.
     scale: f32,
 }
 
-/// A place on the canvas: samples to the right and down, and depth, cm.
+/// A point on the canvas: samples to the right and down, and depth, cm.
 type Place = Vec3;
 
 impl Canvas {
@@ -43,21 +43,21 @@ impl Canvas {
         }
     }
 
-    /// Where the eye is, cm.
+    /// Position of the camera, cm.
     pub fn eye(&self) -> Vec3 {
         self.eye
     }
 
     fn place(&self, p: Vec3) -> Option<Place> {
         let [right, up, forward] = self.axes;
-        let way = p - self.eye;
-        let depth = way.dot(forward);
+        let offset = p - self.eye;
+        let depth = offset.dot(forward);
         let middle = 0.5 * Vec2::new((self.size[0] * SAMPLES) as f32, (self.size[1] * SAMPLES) as f32);
-        let seen = Vec2::new(way.dot(right), -way.dot(up)) / depth * self.scale;
+        let seen = Vec2::new(offset.dot(right), -offset.dot(up)) / depth * self.scale;
         (depth > 1e-3).then(|| (middle + seen).extend(depth))
     }
 
-    /// Calls `paint(sample, weights, depth)` for each sample of a triangle that nothing hides; `weights` are those of its corners.
+    /// Calls `paint(sample, weights, depth)` for each visible sample of a triangle; `weights` are barycentric.
     fn cover(&mut self, corners: [Vec3; 3], nearer: f32, mut paint: impl FnMut(&mut Self, usize, Vec3, f32)) {
         let [Some(a), Some(b), Some(c)] = corners.map(|p| self.place(p)) else { return };
         let [width, height] = self.size.map(|n| n * SAMPLES);
@@ -81,7 +81,7 @@ impl Canvas {
                 if seen.min_element() < 0.0 {
                     continue;
                 }
-                // Weights in space: those on the film over the depths.
+                // Perspective-correct weights: those on the film divided by the depths.
                 let over = seen.as_vec3() / Vec3::new(a.z, b.z, c.z);
                 let depth = 1.0 / over.element_sum();
                 let i = y * width + x;
@@ -100,15 +100,15 @@ impl Canvas {
         });
     }
 
-    /// A triangle of one colour that covers what is behind it in part and hides nothing that is drawn later.
+    /// A translucent triangle of one colour, which is not written to the depth buffer.
     pub fn veil(&mut self, corners: [Vec3; 3], color: Vec3, alpha: f32) {
         self.cover(corners, 1e-3, |canvas, i, _, _| {
             canvas.colors[i] = canvas.colors[i].lerp(color, alpha);
         });
     }
 
-    /// A quad over what is behind it: `corners` in a circle, their places on the texture beside them. The texture wraps around along u, and
-    /// along v where `wrap_v`.
+    /// A textured quad, blended over the drawing: `corners` in order around it, each with its texture coordinates. The texture wraps along
+    /// u, and along v if `wrap_v`.
     pub fn quad(&mut self, corners: [(Vec3, Vec2); 4], texture: &Texture, wrap_v: bool) {
         let [a, b, c, d] = corners;
         for t in [[a, b, c], [a, c, d]] {
@@ -120,12 +120,12 @@ impl Canvas {
         }
     }
 
-    /// A line `width` pixels wide; of what is hidden, only what lies less than `nearer` cm behind shows.
+    /// A line `width` pixels wide; it is drawn over surfaces less than `nearer` cm in front of it.
     pub fn line(&mut self, [a, b]: [Vec3; 2], color: Vec3, width: f32, nearer: f32) {
         self.strand([(a, width), (b, width)], [color; 2], nearer);
     }
 
-    /// A tapered line: ends with their widths in pixels, and colours. It hides what is drawn later.
+    /// A tapered line: its ends with widths in pixels, and their colours. It is written to the depth buffer.
     pub fn strand(&mut self, [(a, wide), (b, thin)]: [(Vec3, f32); 2], color: [Vec3; 2], nearer: f32) {
         let (Some(p), Some(q)) = (self.place(a), self.place(b)) else { return };
         let [width, height] = self.size.map(|n| n * SAMPLES);
@@ -149,7 +149,7 @@ impl Canvas {
         }
     }
 
-    /// The drawing: the mean of the samples of each pixel.
+    /// The drawing, with the mean of the samples in each pixel.
     pub fn film(&self) -> Film {
         let [width, height] = self.size;
         let pixel = |i: usize| {
@@ -164,7 +164,7 @@ impl Canvas {
     }
 }
 
-/// A texture's premultiplied colour at a place.
+/// A texture's premultiplied colour at texture coordinates, interpolated bilinearly.
 pub(super) fn bilinear(texture: &Texture, uv: Vec2, wrap_v: bool) -> Vec4 {
     let [width, height] = [texture.width as i64, texture.height as i64];
     if width == 0 || height == 0 {
@@ -181,7 +181,7 @@ pub(super) fn bilinear(texture: &Texture, uv: Vec2, wrap_v: bool) -> Vec4 {
     row(0).lerp(row(1), part.y)
 }
 
-/// Flat shading of a triangle, lit from above the eye: a factor of 0.45 to 1.
+/// Flat shading of a triangle, lit from above the camera: a factor of 0.45 to 1.
 pub(super) fn shade(corners: [Vec3; 3], eye: Vec3) -> f32 {
     let [a, b, c] = corners;
     let n = (b - a).cross(c - a).normalize_or_zero();
@@ -202,7 +202,7 @@ mod tests {
     }
 
     #[test]
-    fn the_nearer_triangle_shows_whatever_the_order() {
+    fn the_nearer_triangle_is_visible_in_any_order() {
         let triangle = |z: f32| [Vec3::new(-3.0, -3.0, z), Vec3::new(3.0, -3.0, z), Vec3::new(0.0, 4.0, z)];
         for order in [[0.0, 1.0], [1.0, 0.0]] {
             let mut canvas = canvas();
@@ -215,15 +215,15 @@ mod tests {
     }
 
     #[test]
-    fn places_are_those_of_a_pinhole() {
+    fn the_projection_is_that_of_a_pinhole() {
         // At a distance of 10 the view is 10 cm high: two pixels a centimetre.
         let place = canvas().place(Vec3::new(2.0, 1.0, 0.0)).expect("in front");
         assert!((place - Vec3::new(72.0, 24.0, 10.0)).length() < 1e-3, "{place}");
-        assert!(canvas().place(Vec3::new(0.0, 0.0, 11.0)).is_none(), "behind the eye");
+        assert!(canvas().place(Vec3::new(0.0, 0.0, 11.0)).is_none(), "behind the camera");
     }
 
     #[test]
-    fn hidden_lines_do_not_show() {
+    fn hidden_lines_are_not_drawn() {
         let mut canvas = canvas();
         let wall = [Vec3::new(-9.0, -9.0, 1.0), Vec3::new(9.0, -9.0, 1.0), Vec3::new(0.0, 20.0, 1.0)];
         canvas.triangle(wall, Vec3::splat(0.5));

@@ -1,7 +1,6 @@
-//! Fur composited into a plate of the place that lights it; the place as a mirror ball shows it, and its map with the directional lights
-//! that are made of it.
+//! Fur composited into a plate of the environment that lights it; the environment in a mirror ball; and its map with the directional
+//! lights that replace it.
 
-use super::super::content::PanelImage;
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use glam::{Quat, Vec3};
@@ -14,12 +13,12 @@ use pelage_core::scene::FilmSpec;
 use pelage_core::{Error, Result, World};
 use serde::Deserialize;
 
-/// The plate's name.
+/// File name of the plate.
 const PLATE: &str = "plate.exr";
-/// Radius of the ball, parts of the picture's shorter side.
+/// Radius of the ball by the picture's shorter side.
 const BALL: f32 = 0.46;
-/// Looks along a pixel's side.
-const LOOKS: usize = 3;
+/// Samples along a pixel's side.
+const SAMPLES: usize = 3;
 /// Colour beside the ball and around a map that has another shape than the panel, display-linear.
 const GREY: Vec3 = Vec3::splat(0.12);
 
@@ -28,11 +27,11 @@ const GREY: Vec3 = Vec3::splat(0.12);
 struct Settings {
     /// Scene file, relative to the figure's folder; its background is its environment map.
     scene: String,
-    /// Blur of the plate, which is far behind what is in focus: standard deviation, parts of the picture's height.
+    /// Blur of the plate, which is out of focus: standard deviation by the picture's height.
     blur: f32,
 }
 
-/// A map as the scene turns and weighs it.
+/// An environment map with the scene's rotation and intensity.
 struct Sky {
     map: Panorama,
     map_from_world: Quat,
@@ -44,8 +43,9 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, assets) = context.load(&settings.scene, &[])?;
     let environment = world.scene.environment.as_ref().filter(|e| !e.map.is_empty());
-    let environment = environment
-        .ok_or_else(|| Error::fault(context.folder.join(&settings.scene), "has no map in [environment]"))?;
+    let environment = environment.ok_or_else(|| {
+        Error::fault(context.folder.join(&settings.scene), "expected a map in [environment]")
+    })?;
     let sky = Sky {
         map: Panorama::load(&assets.find(&environment.map)?)?,
         map_from_world: map_from_world(environment.rotate),
@@ -59,11 +59,8 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let (composed, assets) = context.load(&settings.scene, &["film.background=plate".into(), plate])?;
     content.images.push(context.render_panel("in the plate", &composed, &assets)?);
     content.files.push((PLATE.into(), "The plate, linear light".into()));
-    content.images.push(PanelImage::drawn("mirror ball", sky.ball(width, height)));
-    content.images.push(PanelImage::drawn(
-        &format!("map with its {} lights", lights.len()),
-        sky.marked(&lights, width, height),
-    ));
+    content.picture("mirror ball", sky.ball(width, height));
+    content.picture(&format!("map with its {} lights", lights.len()), sky.marked(&lights, width, height));
     content.table(&table(&lights, &sky));
     content.value("lights", lights.len() as f64, 0.0);
     let sum: Vec3 = lights.iter().map(|light| light.irradiance).sum();
@@ -73,7 +70,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// Writes what the camera sees of the map, blurred; gives the override that names the file.
+/// Writes the camera's view of the map, blurred; returns the override that names the file.
 fn plate(context: &FigureContext, world: &World, assets: &Assets, blur: f32) -> Result<String> {
     let [width, height] = context.size();
     let pixels = Backdrop::load(&world.scene, assets)?.pixels(width, height)?.unwrap_or_default();
@@ -81,12 +78,12 @@ fn plate(context: &FigureContext, world: &World, assets: &Assets, blur: f32) -> 
     let film = Film::from_premultiplied(width, height, &pixels);
     let path = context.out.join(PLATE);
     io::write(&film, &path, &Metadata::of_program(), &FilmSpec::default())?;
-    // A scene's files are looked for from the scene's folder.
+    // Relative paths would be searched for from the scene's folder.
     let path = path.canonicalize().map_err(|e| Error::io(&path, e))?;
     Ok(format!("film.plate={:?}", path.display().to_string()))
 }
 
-/// A Gaussian of standard deviation `sigma` (pixels) along rows, then along columns; the outermost pixels go on beyond the border.
+/// A Gaussian blur of standard deviation `sigma` pixels along rows, then along columns; border pixels are extended.
 fn blurred(pixels: &[[f32; 4]], width: usize, sigma: f32) -> Vec<[f32; 4]> {
     let reach = (3.0 * sigma).ceil() as isize;
     let weights: Vec<f32> = (-reach..=reach).map(|k| (-0.5 * (k as f32 / sigma).powi(2)).exp()).collect();
@@ -130,13 +127,10 @@ fn table(lights: &[Light], sky: &Sky) -> Table {
             format!("{:.1} %", 100.0 * energy(light) / all),
         ]
     };
-    Table {
-        caption: "The lights, the brightest first. Azimuth from -z towards +x, elevation above the horizon, degrees; place in the map's texels; \
-                  irradiance across the light's direction."
-            .into(),
-        head: ["", "azimuth", "elevation", "texel", "irradiance (R, G, B)", "of all light"].map(String::from).to_vec(),
-        rows: sorted.iter().enumerate().map(row).collect(),
-    }
+    let caption = "The lights, the brightest first. Azimuth from -z towards +x, elevation above the horizon, degrees; place in \
+         the map's texels; irradiance across the light's direction.";
+    let head = ["", "azimuth", "elevation", "texel", "irradiance (R, G, B)", "of all light"];
+    Table::new(caption, &head, sorted.iter().enumerate().map(row).collect())
 }
 
 impl Sky {
@@ -148,13 +142,13 @@ impl Sky {
         self.map.texel_of((self.map_from_world * direction).as_dvec3())
     }
 
-    /// Linear light as the scene's film shows it, display-linear.
+    /// Tone-maps radiance with the scene's film settings; display-linear.
     fn shown(&self, light: Vec3) -> Vec3 {
         let codes = tonemap::display_rgb8(light, &self.film);
         Vec3::from(codes.map(|code| tonemap::srgb_decode(f32::from(code) / 255.0)))
     }
 
-    /// A mirror ball, seen towards -z from far away.
+    /// A mirror ball, seen along -z from far away.
     fn ball(&self, width: u32, height: u32) -> Film {
         let radius = BALL * width.min(height) as f32;
         let centre = [0.5 * width as f32, 0.5 * height as f32];
@@ -170,7 +164,7 @@ impl Sky {
         })
     }
 
-    /// The whole map with a disc at the place of each light: in the light's hue, larger where it is brighter.
+    /// The whole map with a disc of the light's hue at each light; brighter lights have larger discs.
     fn marked(&self, lights: &[Light], width: u32, height: u32) -> Film {
         let map = [self.map.width as f32, self.map.height as f32];
         let scale = (width as f32 / map[0]).min(height as f32 / map[1]);
@@ -181,7 +175,7 @@ impl Sky {
             .map(|light| {
                 let [x, y] = self.texel_of(light.direction).map(|v| v as f32);
                 let largest = light.irradiance.max_element();
-                // Lights differ by a thousandfold; the fourth root keeps the weakest in sight.
+                // Lights differ by a factor of a thousand; the fourth root keeps the weakest visible.
                 let radius = 0.045 * height as f32 * (largest / brightest).sqrt().sqrt().max(0.5);
                 ([corner[0] + scale * x, corner[1] + scale * y], radius, light.irradiance / largest)
             })
@@ -192,7 +186,7 @@ impl Sky {
                 let distance = (x - centre[0]).hypot(y - centre[1]);
                 match distance - radius {
                     d if d < -ring => return *hue,
-                    // Black on white: one of the two is seen before any map.
+                    // A black and a white ring: one of them contrasts with any map.
                     d if d < 0.0 => return Vec3::ZERO,
                     d if d < ring => return Vec3::ONE,
                     _ => {}
@@ -208,14 +202,14 @@ impl Sky {
     }
 }
 
-/// A picture of the mean of several looks a pixel; `color` takes pixels from the upper left corner.
+/// A picture of the mean of several samples a pixel; `color` takes pixel coordinates from the upper left corner.
 fn picture(width: u32, height: u32, color: impl Fn(f32, f32) -> Vec3) -> Film {
-    let look = |pixel: u32, k: usize| pixel as f32 + (k as f32 + 0.5) / LOOKS as f32;
+    let at = |pixel: u32, k: usize| pixel as f32 + (k as f32 + 0.5) / SAMPLES as f32;
     let pixels: Vec<[f32; 4]> = (0..height)
         .flat_map(|y| (0..width).map(move |x| (x, y)))
         .map(|(x, y)| {
-            let all = (0..LOOKS * LOOKS).map(|k| color(look(x, k % LOOKS), look(y, k / LOOKS)));
-            let [r, g, b] = (all.sum::<Vec3>() / (LOOKS * LOOKS) as f32).to_array();
+            let all = (0..SAMPLES * SAMPLES).map(|k| color(at(x, k % SAMPLES), at(y, k / SAMPLES)));
+            let [r, g, b] = (all.sum::<Vec3>() / (SAMPLES * SAMPLES) as f32).to_array();
             [r, g, b, 1.0]
         })
         .collect();
@@ -227,7 +221,7 @@ mod tests {
     use super::*;
     use pelage_core::scene::Tonemap;
 
-    /// Black but for one texel.
+    /// A black map with one lit texel.
     fn sky(x: usize, y: usize) -> Sky {
         let mut map = Panorama { width: 64, height: 32, texels: vec![[0.0; 3]; 64 * 32] };
         map.texels[y * 64 + x] = [0.0, 1.0, 0.0];
@@ -267,15 +261,15 @@ mod tests {
         assert!((sum - 1.0).abs() < 1e-3 && (spread - 4.0).abs() < 0.2, "{sum} {spread}");
         assert_eq!(blurred(&pixels, 21, 0.0), pixels);
         let even = vec![[0.5; 4]; 12];
-        assert!(blurred(&even, 4, 1.5).iter().all(|p| (p[2] - 0.5).abs() < 1e-6), "the border goes on");
+        assert!(blurred(&even, 4, 1.5).iter().all(|p| (p[2] - 0.5).abs() < 1e-6), "the border is extended");
     }
 
     #[test]
-    fn a_ball_shows_what_is_behind_the_viewer_in_its_middle() {
-        // The first column looks to +z.
+    fn the_centre_of_a_ball_reflects_what_is_behind_the_camera() {
+        // The first column is the direction +z.
         let middle = brightest(&sky(0, 15).ball(64, 64));
         assert!(middle[0].abs_diff(32) <= 2 && middle[1].abs_diff(32) <= 2, "{middle:?}");
-        // +x lies right of the middle, up above it.
+        // +x is right of the centre, up is above it.
         let right = brightest(&sky(48, 8).ball(64, 64));
         assert!(right[0] > 40 && right[1] < 30, "{right:?}");
     }

@@ -1,15 +1,13 @@
-//! What the approximations cost: the experiments of `pelage validate` as a figure.
+//! Errors of the approximations: the experiments of `pelage validate` as a figure.
 
-use super::super::content::PanelImage;
 use super::super::{FigureContent, FigureContext};
 use crate::report::{Table, number};
-use crate::validate;
-use crate::validate::{Finding, Goal, Level, Section};
+use crate::validate::{self, Finding, Goal, Level, Section};
+use pelage_core::Result;
 use pelage_core::film::{Film, io};
-use pelage_core::{Error, Result};
 use serde::Deserialize;
 
-/// Folder of the experiments' own report, in that of the figure's results.
+/// Folder of the experiments' own report, in the figure's result folder.
 const REPORT: &str = "report";
 
 #[derive(Deserialize)]
@@ -19,11 +17,11 @@ struct Settings {
     level: Level,
     /// Names of experiments; empty: all.
     experiments: Vec<String>,
-    /// Parts of the names of cases; empty: all.
+    /// Parts of case names; empty: all.
     cases: Vec<String>,
     /// The case whose pictures are shown.
     shown: String,
-    /// How many pixels along a side each of their pixels becomes.
+    /// Factor on the width and height of these pictures; pixels are repeated.
     magnify: u32,
 }
 
@@ -38,7 +36,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let report = validate::run(&options, &|_| {}, context.cancel)?;
     let mut content = FigureContent::default();
     for section in &report.sections {
-        context.tell(&format!(
+        context.report(&format!(
             "{}: {:.1} s, {} findings",
             section.name,
             section.seconds,
@@ -53,19 +51,16 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         }
     }
     let mut exhibits = report.sections.iter().flat_map(|section| &section.exhibits);
-    let caption = |exhibit: &&validate::Exhibit| {
+    let is_shown = |exhibit: &&validate::Exhibit| {
         exhibit.table.as_ref().is_some_and(|table| table.caption.contains(&settings.shown))
     };
-    let found = exhibits.rfind(caption).ok_or_else(|| {
-        Error::fault(
-            context.folder.join("figure.toml"),
-            format!("settings.shown is {:?}: no measured case is called that", settings.shown),
-        )
+    let found = exhibits.rfind(is_shown).ok_or_else(|| {
+        context.fault(format!("settings.shown is {:?}: no measured case has this name", settings.shown))
     })?;
     for picture in found.pictures.iter().filter(|picture| !timed(&picture.caption)) {
-        // Pictures that are there already: as a display shows them.
+        // The files hold tone-mapped pixels already.
         let film = magnified(&io::read(options.out.join(&picture.file))?, settings.magnify.max(1))?;
-        content.images.push(PanelImage::drawn(&picture.caption, film));
+        content.picture(&picture.caption, film);
     }
     content.text += &found.table.as_ref().map_or(String::new(), |table| table.markdown() + "\n");
     content.files.push((format!("{REPORT}/report.html"), "The whole report".into()));
@@ -76,7 +71,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// The same with each pixel repeated.
+/// Repeats each pixel `factor` times along both axes.
 fn magnified(film: &Film, factor: u32) -> Result<Film> {
     let pixels = film.premultiplied()?;
     let [width, height] = [film.width * factor, film.height * factor];
@@ -86,12 +81,12 @@ fn magnified(film: &Film, factor: u32) -> Result<Film> {
     Ok(Film::from_premultiplied(width, height, &all))
 }
 
-/// Whether what is called so depends on how fast the machine is: the number of hairs does, and with it all that is seen of them.
+/// Whether a variant depends on the speed of the machine, which decides its number of hairs.
 fn timed(name: &str) -> bool {
     name.contains("equal time")
 }
 
-/// A tenth of what the goal allows, or of the value.
+/// A tenth of the goal's limit, or of the value.
 fn tolerance(finding: &Finding) -> f64 {
     0.1 * match finding.goal {
         Some(Goal::AtMost(limit) | Goal::OneWithin(limit)) => limit.abs(),
@@ -106,11 +101,8 @@ fn table(section: &Section) -> Table {
         let goal = f.goal.map_or_else(dash, |goal| goal.to_string());
         vec![f.approximation.clone(), f.case.clone(), f.metric.clone(), number(f.value), goal, met]
     };
-    Table {
-        caption: format!("**{}**", section.title),
-        head: ["approximation", "case", "metric", "value", "goal", "met"].map(String::from).to_vec(),
-        rows: section.findings.iter().map(row).collect(),
-    }
+    let head = ["approximation", "case", "metric", "value", "goal", "met"];
+    Table::new(format!("**{}**", section.title), &head, section.findings.iter().map(row).collect())
 }
 
 #[cfg(test)]
@@ -126,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_fast_machine_changes_is_not_kept() {
+    fn results_that_depend_on_speed_are_not_kept() {
         assert!(timed("strands only, equal time") && !timed("volume only"));
         assert_eq!(tolerance(&Finding::new("volume only", "case", "metric", 0.5, None)), 0.05);
     }

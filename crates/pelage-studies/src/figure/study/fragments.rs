@@ -1,13 +1,12 @@
-//! The fragments of a row of pixels, seen from the side: what the lists hold after rasterisation and march, by depth.
+//! The fragment lists of a row of pixels after rasterisation and march, by depth.
 
-use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, css};
 use super::super::probe;
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use glam::Vec3;
-use pelage_core::{Error, Result};
+use pelage_core::Result;
 use pelage_render::twin::resolve::{Base, Kind, Node, stored};
 use serde::Deserialize;
 
@@ -17,10 +16,10 @@ struct Settings {
     scene: String,
     /// Pixels of the film.
     film: [u32; 2],
-    /// First pixel of the row, and how many.
+    /// First pixel of the row, and number of pixels.
     first: [u32; 2],
     pixels: u32,
-    /// Which of them has its transmittance plotted.
+    /// Number in the row of the pixel whose transmittance is plotted.
     follow: u32,
 }
 
@@ -33,10 +32,9 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     probe.march()?;
     let (lists, bases) = (probe.lists()?, probe.bases()?);
     if lists.iter().all(Vec::is_empty) || settings.follow >= row {
-        let words = "the row of pixels sees no fur, or does not have the pixel to follow";
-        return Err(Error::fault(context.folder.join("figure.toml"), words));
+        return Err(context.fault("no fur is visible in the row of pixels, or follow is not a pixel of it"));
     }
-    // What the GPU makes of these lists, held to the twin.
+    // The GPU's result for these lists against that of the CPU twin.
     let samples = probe.resolve(false)?;
     let worst = lists.iter().zip(&bases).zip(&samples).map(|((list, base), sample)| {
         let wanted = stored(&probe.fur, list.clone(), *base);
@@ -47,14 +45,13 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     });
     let worst = worst.fold(0.0, f32::max);
     let mut content = FigureContent::default();
-    content.diagrams.push(Diagram {
-        name: "side".into(),
-        caption: "Fragments of a row of pixels by depth; grey: the part of what lies there that is hidden"
-            .into(),
-        svg: side(&lists, &bases, settings.follow as usize),
-    });
     let follow = settings.follow as usize;
-    content.plots.push(("transmittance".into(), transmittance(&lists[follow], bases[follow], follow)));
+    content.diagram(
+        "side",
+        "Fragments of a row of pixels by depth; grey: the part of what lies there that is hidden",
+        side(&lists, &bases, follow),
+    );
+    content.plot("transmittance", transmittance(&lists[follow], bases[follow], follow));
     let count = |kind: Kind| lists.iter().flatten().filter(|n| n.kind() == kind).count() as f64;
     let mut rows = Vec::new();
     for (name, kind) in [
@@ -62,7 +59,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         ("shell entries", Kind::Entry),
         ("virtual fragments", Kind::Volume),
     ] {
-        // Coverage at the very edge of a hair may come and go with the adapter's rounding.
+        // Whether the edge of a hair touches a pixel may depend on the adapter's rounding.
         content.value(name, count(kind), 0.01 * count(kind).max(100.0));
         rows.push(vec![
             name.into(),
@@ -74,15 +71,12 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     content.value("pixels that see the skin's surface behind the fur", skin, 0.0);
     rows.push(vec!["skin".into(), format!("{skin}"), format!("{:.1}", skin / f64::from(row))]);
     content.value("resolved radiance, largest difference of GPU and CPU", f64::from(worst), 0.02);
-    content.table(&Table {
-        caption: format!("In the row of {row} pixels:"),
-        head: ["kind", "fragments", "a pixel"].map(String::from).into(),
-        rows,
-    });
+    let head = ["kind", "fragments", "a pixel"];
+    content.table(&Table::new(format!("In the row of {row} pixels:"), &head, rows));
     Ok(content)
 }
 
-/// Transmittance in front of each fragment and behind the last.
+/// Transmittance in front of each fragment, and behind the last.
 fn through(list: &[Node]) -> Vec<f32> {
     let mut t = 1.0;
     let mut all = vec![t];
@@ -109,7 +103,7 @@ fn side(lists: &[Vec<Node>], bases: &[Option<Base>], follow: usize) -> String {
     let mut canvas = Canvas::new(size[0], size[1]);
     for (i, (list, base)) in lists.iter().zip(bases).enumerate() {
         let x = left + i as f64 * wide;
-        // Grey grows with what lies in front.
+        // Darker grey where more is hidden.
         let end = base.map_or(high, |b| b.z);
         let borders: Vec<f32> = [low].into_iter().chain(list.iter().map(|n| n.z)).chain([end]).collect();
         for (t, pair) in through(list).into_iter().zip(borders.windows(2)) {
@@ -129,7 +123,7 @@ fn side(lists: &[Vec<Node>], bases: &[Option<Base>], follow: usize) -> String {
         for node in list {
             let (at, alpha) = (y(node.z), f64::from(node.color.w));
             match node.kind() {
-                // A dash as long as the hair's part of the pixel.
+                // A dash as long as the hair's coverage of the pixel.
                 Kind::Strand => {
                     let half = 0.5 * wide * alpha.clamp(0.12, 1.0);
                     let middle = x + 0.5 * wide;
@@ -153,7 +147,7 @@ fn side(lists: &[Vec<Node>], bases: &[Option<Base>], follow: usize) -> String {
     let x = left + follow as f64 * wide;
     let frame = [[x, top], [x + wide, top], [x + wide, size[1] - bottom], [x, size[1] - bottom]];
     canvas.polygon(&frame, "fill:none;stroke:#000;stroke-width:1.4");
-    // The axis, in steps of 2 mm or more.
+    // The axis, with ticks 2 mm or more apart.
     let step = [0.2f32, 0.5, 1.0, 2.0].into_iter().find(|s| (high - low) / s < 12.0).unwrap_or(5.0);
     for k in (low / step).ceil() as i32..=(high / step).floor() as i32 {
         let z = k as f32 * step;
@@ -204,7 +198,7 @@ fn transmittance(list: &[Node], base: Option<Base>, pixel: usize) -> Plot {
         points.extend(base.map(|b| [f64::from(b.z), t]));
         points
     };
-    let curve = |name: &str, kept: &dyn Fn(Kind) -> bool| Curve { name: name.into(), points: steps(kept) };
+    let curve = |name: &str, kept: &dyn Fn(Kind) -> bool| Curve::new(name, steps(kept));
     Plot {
         caption: format!("Transmittance along pixel {pixel} of the row"),
         x: "depth, cm".into(),

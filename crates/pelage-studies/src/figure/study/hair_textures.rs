@@ -1,6 +1,6 @@
-//! The hairs of a particle system, the layers and the fin that stand for them, and fur drawn with these.
+//! The hairs of a particle system, the layers and the fin baked from them, and fur drawn with these.
 
-use super::super::{FigureContent, FigureContext, PanelImage};
+use super::super::{FigureContent, FigureContext};
 use super::canvas::Canvas;
 use crate::report::{Table, number};
 use glam::{Vec2, Vec3};
@@ -14,18 +14,18 @@ use serde::Deserialize;
 struct Settings {
     /// Scene file, relative to the figure's folder.
     scene: String,
-    /// How many times farther apart than on the skin layers are drawn.
+    /// Factor on the distance between the layers in the drawing.
     apart: f32,
 }
 
-/// The slab that the fin shows.
+/// Outline of the slab that is projected to the fin.
 const CYAN: Vec3 = Vec3::new(0.0, 0.45, 0.6);
 const SKIN: Vec3 = Vec3::new(0.55, 0.38, 0.3);
 const FRAME: Vec3 = Vec3::new(0.3, 0.3, 0.3);
 
 pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
-    let (world, assets) = context.load(&settings.scene, &[])?;
+    let (world, _) = context.load(&settings.scene, &[])?;
     let size = context.size();
     let (hairs, [edge, height]) = bake::particle_hairs(&world);
     let textures = bake::bake(&world)?;
@@ -36,7 +36,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let pixel = 0.5 * size[1] as f32 / (0.48 * (edge * edge * 2.0 + height * height).sqrt());
     ground(&mut canvas, edge);
     for hair in &hairs {
-        // Roots at v = 0 are those of the fin's front.
+        // Roots at v = 0 are at the front of the fin.
         let root = Vec3::new(hair.root[0] * edge, 0.0, edge - hair.root[1] * edge);
         let at = |k: usize| {
             let offset = hair.knots[k].offset;
@@ -50,7 +50,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     }
     let [front, back] = [edge, edge - slab];
     wire_box(&mut canvas, [Vec3::new(0.0, 0.0, back), Vec3::new(edge, height, front)], CYAN);
-    content.images.push(PanelImage::drawn("hairs, the fin's slab", canvas.film()));
+    content.picture("hairs, the fin's slab", canvas.film());
 
     let spread = settings.apart * height;
     let mut canvas = Canvas::new(&camera(edge, spread), size);
@@ -65,7 +65,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             canvas.line([corners[k].0, corners[(k + 1) % 4].0], Vec3::splat(0.75), 0.6, 0.0);
         }
     }
-    content.images.push(PanelImage::drawn(&format!("{count} layers, drawn apart"), canvas.film()));
+    content.picture(&format!("{count} layers, drawn apart"), canvas.film());
 
     let mut canvas = Canvas::new(&front_camera(edge, height), size);
     let corner = |u: f32, v: f32| (Vec3::new(u * edge, v * height, 0.0), Vec2::new(u, v));
@@ -74,7 +74,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for k in 0..4 {
         canvas.line([corners[k].0, corners[(k + 1) % 4].0], CYAN, 1.2, 0.0);
     }
-    content.images.push(PanelImage::drawn("fin", canvas.film()));
+    content.picture("fin", canvas.film());
 
     for (label, set) in [("without texture", "base"), ("layers", "false"), ("layers and fins", "true")] {
         let set = match set {
@@ -84,7 +84,6 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let (world, assets) = context.load(&settings.scene, &set)?;
         content.images.push(context.render_panel(label, &world, &assets)?);
     }
-    drop((world, assets));
 
     let mut rows = Vec::new();
     for (l, of) in textures.manifest.summary.iter().enumerate() {
@@ -100,12 +99,12 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         }
     }
     content.value("hairs", hairs.len() as f64, 0.0);
-    let head = ["layer", "height, cm", "mean coverage", "optical depth"].map(String::from).to_vec();
-    content.table(&Table { caption: "The layers, from the skin outwards.".into(), head, rows });
+    let head = ["layer", "height, cm", "mean coverage", "optical depth"];
+    content.table(&Table::new("The layers, from the skin outwards.", &head, rows));
     Ok(content)
 }
 
-/// The box in view from the front, the right and above.
+/// A view of the box from the front, the right and above.
 fn camera(edge: f32, height: f32) -> Camera {
     let middle = Vec3::new(0.5 * edge, 0.46 * height, 0.5 * edge);
     let reach = (edge * edge * 2.0 + height * height).sqrt();
@@ -117,7 +116,7 @@ fn camera(edge: f32, height: f32) -> Camera {
     }
 }
 
-/// The box's front in full view.
+/// A view of the box's front.
 fn front_camera(edge: f32, height: f32) -> Camera {
     let middle = Vec3::new(0.5 * edge, 0.5 * height, 0.0);
     let far = 4.0 * edge.max(height);

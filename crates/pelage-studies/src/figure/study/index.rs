@@ -1,13 +1,12 @@
-//! How a place becomes the index of a subelement: Andersen et al. 2016, equations 1 to 3, asked of the renderer's own functions.
+//! From a point to the index of its subelement: Andersen et al. 2016, equations 1 to 3, with the renderer's own functions.
 
-use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe;
 use super::super::{FigureContent, FigureContext};
 use super::subelements::{cells, corners};
 use crate::report::Table;
 use glam::Vec3;
-use pelage_core::{Error, Result};
+use pelage_core::Result;
 use pelage_fur::random::random;
 use pelage_fur::shell::{subelement, subelement_centroid};
 use serde::Deserialize;
@@ -17,12 +16,12 @@ use serde::Deserialize;
 struct Settings {
     /// Subdivision levels that are drawn.
     levels: Vec<u32>,
-    /// The point whose sub-indices are shown, barycentric, and the level.
+    /// The point whose sub-indices are shown, barycentric, and its level.
     point: [f32; 3],
     point_level: u32,
-    /// Random points of the check.
+    /// Number of random points of the check.
     points: u32,
-    /// The scene whose shell is drawn, and the prism.
+    /// The scene whose shell is drawn, and the number of the prism.
     scene: String,
     prism: u32,
 }
@@ -30,26 +29,25 @@ struct Settings {
 pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     if settings.levels.iter().chain([&settings.point_level]).any(|d| *d > 6) {
-        return Err(Error::fault(context.folder.join("figure.toml"), "levels must be 0..=6"));
+        return Err(context.fault("levels must be 0..=6"));
     }
     let mut content = FigureContent::default();
-    content.diagrams.push(Diagram {
-        name: "layer".into(),
-        caption: "Local indices of a layer's subelements after each subdivision, equation 2".into(),
-        svg: layers(&settings.levels),
-    });
-    content.diagrams.push(Diagram {
-        name: "point".into(),
-        caption: "The three sub-indices of a point from its distances to the edges, equation 1".into(),
-        svg: point(Vec3::from(settings.point), settings.point_level),
-    });
+    content.diagram(
+        "layer",
+        "Local indices of a layer's subelements after each subdivision, equation 2",
+        layers(&settings.levels),
+    );
+    content.diagram(
+        "point",
+        "The three sub-indices of a point from its distances to the edges, equation 1",
+        point(Vec3::from(settings.point), settings.point_level),
+    );
     check(&settings, &mut content);
-    let drawn = prism(context, &settings, &mut content)?;
-    content.diagrams.push(drawn);
+    prism(context, &settings, &mut content)?;
     Ok(content)
 }
 
-/// Corners of an upright triangle with its lower left corner at `at`, in the paper's order: p0 lower left, p1 lower right, p2 above.
+/// Corners of an upright triangle with its lower left corner at `at`, in the paper's order: p0 lower left, p1 lower right, p2 top.
 fn triangle(at: Point, side: f64) -> [Point; 3] {
     [at, [at[0] + side, at[1]], [at[0] + 0.5 * side, at[1] - 0.866 * side]]
 }
@@ -80,13 +78,14 @@ fn layers(levels: &[u32]) -> String {
         for (k, (corner, [dx, dy])) in at.iter().zip([[-9.0, 14.0], [9.0, 14.0], [0.0, -8.0]]).enumerate() {
             canvas.text([corner[0] + dx, corner[1] + dy], Anchor::Middle, 13.0, &format!("p{k}"));
         }
-        let words = format!("d = {d}: {} subelements", 1u32 << (2 * d));
-        canvas.text([at[0][0] + 0.5 * side, 296.0], Anchor::Middle, 14.0, &words);
+        let title = format!("d = {d}: {} subelements", 1u32 << (2 * d));
+        canvas.text([at[0][0] + 0.5 * side, 296.0], Anchor::Middle, 14.0, &title);
     }
     canvas.svg()
 }
 
-/// Sub-indices, [Andersen2016] eq. 1; written out once more, for the drawing names them one by one.
+/// Sub-indices, which the drawing shows one by one.
+// [Andersen2016] eq. 1
 fn sub_indices(l: Vec3, d: u32) -> [i32; 3] {
     ((Vec3::ONE - l) * (1 << d) as f32).floor().as_ivec3().to_array()
 }
@@ -101,7 +100,7 @@ fn point(l: Vec3, d: u32) -> String {
         let fill = if cell_id as u32 == id { "#ffe08a" } else { "#f6f6f6" };
         canvas.polygon(&cell.map(|l| place(&at, l)), &format!("fill:{fill};stroke:#999;stroke-width:0.8"));
     }
-    // Subelements with i1 = i2 are those that the first term of eq. 2 reaches.
+    // Subelements with i1 = i2, whose index is the first term of [Andersen2016] eq. 2.
     for (cell_id, cell) in cells(d).iter().enumerate() {
         let middle = subelement_centroid(cell_id as u32, d);
         let [_, b, c] = sub_indices(middle, d);
@@ -109,7 +108,7 @@ fn point(l: Vec3, d: u32) -> String {
             canvas.polygon(&cell.map(|l| place(&at, l)), "fill:none;stroke:#222;stroke-width:1.8");
         }
     }
-    // Names of the bands, each beside an edge across which its index changes.
+    // Labels of the bands, each beside an edge along which its index changes.
     for band in 0..n {
         let along = 1.0 - (band as f32 + 0.5) / n as f32;
         let rest = 1.0 - along;
@@ -126,7 +125,7 @@ fn point(l: Vec3, d: u32) -> String {
     }
     let p = place(&at, l);
     for k in 0..3 {
-        // Foot of the perpendicular on edge k, which lies opposite corner k.
+        // Foot of the perpendicular on edge k, opposite corner k.
         let (a, b) = (at[(k + 1) % 3], at[(k + 2) % 3]);
         let d = [b[0] - a[0], b[1] - a[1]];
         let t = ((p[0] - a[0]) * d[0] + (p[1] - a[1]) * d[1]) / (d[0] * d[0] + d[1] * d[1]);
@@ -152,20 +151,20 @@ fn point(l: Vec3, d: u32) -> String {
         format!("  = {} + ({}) = {}", i[0] * (1 + i[0]), i[1] - i[2], i[0] * (1 + i[0]) + i[1] - i[2]),
         format!("the renderer's index of p: {id}"),
     ];
-    for (k, words) in lines.iter().enumerate() {
-        canvas.text([430.0, 40.0 + 22.0 * k as f64], Anchor::Start, 13.0, words);
+    for (k, line) in lines.iter().enumerate() {
+        canvas.text([430.0, 40.0 + 22.0 * k as f64], Anchor::Start, 13.0, line);
     }
     canvas.text([430.0, 262.0], Anchor::Start, 13.0, "bold: i1 = i2, whose index is i0 (1 + i0)");
     canvas.svg()
 }
 
-/// Holds the index to the geometry at random points: it is the number of the subelement that the point lies in.
+/// Checks at random points that the index is the number of the subelement that contains the point.
 fn check(settings: &Settings, content: &mut FigureContent) {
     let mut rows = Vec::new();
     for d in 0..=6u32 {
         let cells = cells(d);
         let inside = |i: &u32| {
-            // Even in the triangle: the square folded over its diagonal.
+            // Uniform in the triangle: the square folded along its diagonal.
             let (mut u, mut v) = (random(*i, 0), random(*i, 1));
             if u + v > 1.0 {
                 (u, v) = (1.0 - u, 1.0 - v);
@@ -188,22 +187,17 @@ fn check(settings: &Settings, content: &mut FigureContent) {
             0.0,
         );
     }
-    let head = ["d", "subelements", "indices that come back from their middles"].map(String::from);
     let last = format!("of {} random points in the subelement of their index", settings.points);
-    content.table(&Table {
-        caption: "The index and the place that it stands for:".into(),
-        head: head.into_iter().chain([last]).collect(),
-        rows,
-    });
+    let head = ["d", "subelements", "indices that come back from their middles", &last];
+    content.table(&Table::new("The index and the place that it stands for:", &head, rows));
 }
 
-/// A prism of a real shell, its layers apart.
-fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureContent) -> Result<Diagram> {
+/// A prism of a shell, with its layers drawn apart.
+fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureContent) -> Result<()> {
     const GAP: f32 = 2.1;
     let (world, _) = context.load(&settings.scene, &[])?;
     if settings.prism as usize >= world.skin.triangles.len() {
-        let words = format!("prism: the skin has {} triangles", world.skin.triangles.len());
-        return Err(Error::fault(context.folder.join("figure.toml"), words));
+        return Err(context.fault(format!("prism: the skin has {} triangles", world.skin.triangles.len())));
     }
     let probe = probe::probe(context.gpu, &world, [16, 16], [0, 0], [16, 16])?;
     let place = probe.shell.enter(settings.prism);
@@ -223,7 +217,7 @@ fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureConte
             let c = corners(&place, cell, layer, layers).map(|p| p + lift);
             let color = number_color(id as u32, 0.45, 0.95);
             let style = |shade: f32| format!("fill:{};stroke:#444;stroke-width:0.4", css(color * shade));
-            // The side towards the eye is drawn over the others by their distances.
+            // The painter draws the sides that face the camera last.
             for k in 0..3 {
                 let next = (k + 1) % 3;
                 painter.face(&[c[k], c[next], c[next + 3], c[k + 3]], style(0.8));
@@ -251,12 +245,11 @@ fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureConte
     let wanted = f64::from(settings.prism * layers) * f64::from(1 << (2 * d));
     content.value("first global index less that of equation 3", global(0, 0) - wanted, 0.0);
     content.value("indices of a layer", global(1.min(layers - 1), 0) - global(0, 0), 0.0);
-    Ok(Diagram {
-        name: "prism".into(),
-        caption: format!(
-            "Prism {} of the pelt's shell, its {layers} layers drawn apart, subelements coloured by their local index; beside each layer its global indices, equation 3",
-            settings.prism
-        ),
-        svg: canvas.svg(),
-    })
+    let caption = format!(
+        "Prism {} of the pelt's shell, its {layers} layers drawn apart, subelements coloured by their local index; \
+         beside each layer its global indices, equation 3",
+        settings.prism
+    );
+    content.diagram("prism", &caption, canvas.svg());
+    Ok(())
 }

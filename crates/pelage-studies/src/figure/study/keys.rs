@@ -1,12 +1,11 @@
-//! The neighbour table: keys of directed edges, the slots in which the GPU's hash table holds them, and what it finds.
+//! The neighbour table: keys of directed edges, their slots in the GPU's hash table, and the neighbours found.
 
-use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, Point, css, number_color};
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
+use pelage_core::Result;
 use pelage_core::mesh::topology::edge_key;
 use pelage_core::skin::NONE;
-use pelage_core::{Error, Result};
 use pelage_fur::random::hash2;
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Recorder, Scope};
@@ -17,21 +16,21 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// Places of the vertices on the drawing, 0..1, y upwards.
+    /// Positions of the vertices in the drawing, 0..1, y upwards.
     vertices: Vec<[f64; 2]>,
-    /// Counter-clockwise.
+    /// Vertices of the triangles, counter-clockwise.
     triangles: Vec<[u32; 3]>,
-    /// The triangle whose look-ups are followed.
+    /// The triangle whose lookups are shown.
     follow: u32,
 }
 
-/// A directed edge: its key as the GPU holds it, and where.
+/// A directed edge, and its key in the GPU's table.
 struct Entry {
     triangle: usize,
     corner: usize,
     a: u32,
     b: u32,
-    /// Slot that the hash names, and that in which the key stands.
+    /// Slot of the hash, and slot of the key.
     first: u32,
     slot: u32,
     neighbour: u32,
@@ -42,8 +41,9 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let count = settings.vertices.len() as u32;
     let fits = settings.triangles.iter().flatten().all(|v| *v < count);
     if !fits || settings.follow as usize >= settings.triangles.len() {
-        let words = "triangles must name vertices that there are, and follow one of the triangles";
-        return Err(Error::fault(context.folder.join("figure.toml"), words));
+        return Err(
+            context.fault("triangles must refer to existing vertices, and follow to an existing triangle")
+        );
     }
     let (entries, slots) = table(context, &settings.triangles)?;
     let twin = edge_table::neighbours(&settings.triangles);
@@ -54,16 +54,16 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     content.value("neighbours that GPU and CPU find alike", agree as f64, 0.0);
     let inner = entries.iter().filter(|e| e.neighbour != NONE).count();
     content.value("directed edges with a neighbour", inner as f64, 0.0);
-    content.diagrams.push(Diagram {
-        name: "mesh".into(),
-        caption: "The mesh: its directed edges counter-clockwise, and the look-ups of one triangle".into(),
-        svg: mesh(&settings, &entries),
-    });
-    content.diagrams.push(Diagram {
-        name: "table".into(),
-        caption: "The hash table as the GPU filled it: 64-bit keys in their slots".into(),
-        svg: slots_drawing(&entries, slots),
-    });
+    content.diagram(
+        "mesh",
+        "The mesh: its directed edges counter-clockwise, and the look-ups of one triangle",
+        mesh(&settings, &entries),
+    );
+    content.diagram(
+        "table",
+        "The hash table as the GPU filled it: 64-bit keys in their slots",
+        slots_drawing(&entries, slots),
+    );
     let rows = entries.iter().filter(|e| e.triangle == settings.follow as usize).map(|e| {
         let found = match e.neighbour {
             NONE => "none: a border".into(),
@@ -72,15 +72,13 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let key = |a, b| format!("`{:08x} {:08x}`", edge_key(a, b) >> 32, edge_key(a, b) as u32);
         vec![format!("v{} to v{}", e.a, e.b), key(e.a, e.b), key(e.b, e.a), found]
     });
-    content.table(&Table {
-        caption: format!("What triangle f{} finds:", settings.follow),
-        head: ["edge", "its key", "reversed key", "owner of the reversed key"].map(String::from).into(),
-        rows: rows.collect(),
-    });
+    let caption = format!("What triangle f{} finds:", settings.follow);
+    let head = ["edge", "its key", "reversed key", "owner of the reversed key"];
+    content.table(&Table::new(caption, &head, rows.collect()));
     Ok(content)
 }
 
-/// Runs the renderer's pass on the triangles and reads its table.
+/// Runs the renderer's pass on the triangles and reads its table back.
 fn table(context: &FigureContext, triangles: &[[u32; 3]]) -> Result<(Vec<Entry>, usize)> {
     let gpu = context.gpu;
     let edges = 3 * triangles.len();
@@ -102,7 +100,7 @@ fn table(context: &FigureContext, triangles: &[[u32; 3]]) -> Result<(Vec<Entry>,
     let entries = (0..edges)
         .map(|edge| {
             let (a, b) = key(edge);
-            // A slot holds the number of the first edge of its key, and one.
+            // A slot holds the number of the first edge with its key, plus one; 0 if it is free.
             let slot = slots.iter().position(|e| *e > 0 && key(*e as usize - 1) == (a, b));
             Entry {
                 triangle: edge / 3,
@@ -137,7 +135,7 @@ fn mesh(settings: &Settings, entries: &[Entry]) -> String {
         canvas.polygon(&triangle.map(at), &format!("fill:{};stroke:#555;stroke-width:1.2", fill(t)));
     }
     for e in entries {
-        // Within its triangle, so that the two directions of an edge are told apart.
+        // Inside the triangle, so that the two directions of an edge do not coincide.
         let c = centre(e.triangle);
         let [a, b] = [e.a, e.b].map(|v| between(at(v), c, 0.2));
         canvas.arrow(between(a, b, 0.1), between(a, b, 0.84), "stroke:#333;stroke-width:1.2");
@@ -162,11 +160,11 @@ fn mesh(settings: &Settings, entries: &[Entry]) -> String {
         canvas.circle([x, y], 10.0, "fill:#fff");
         canvas.text([x, y + 4.0], Anchor::Middle, 11.0, &format!("v{v}"));
     }
-    for (y, words) in [
+    for (y, text) in [
         (454.0, "thin arrows: directed edges, whose keys the first pass enters"),
         (471.0, "orange: one triangle's neighbours by reversed keys, second pass; ring: no owner, a border"),
     ] {
-        canvas.text([20.0, y], Anchor::Start, 12.0, words);
+        canvas.text([20.0, y], Anchor::Start, 12.0, text);
     }
     canvas.svg()
 }
@@ -178,14 +176,14 @@ fn slots_drawing(entries: &[Entry], slots: usize) -> String {
     let mut canvas = Canvas::new(columns as f64 * width + 20.0, 40.0 + line * rows as f64 + 14.0);
     for column in 0..columns {
         let x = 10.0 + column as f64 * width;
-        for (dx, words) in [
+        for (dx, text) in [
             (0.0, "slot"),
             (46.0, "key: from (32 bit), to (32 bit)"),
             (250.0, "edge"),
             (330.0, "owner"),
             (374.0, "hash"),
         ] {
-            canvas.text([x + dx, 20.0], Anchor::Start, 11.0, words);
+            canvas.text([x + dx, 20.0], Anchor::Start, 11.0, text);
         }
     }
     for slot in 0..slots {
@@ -203,16 +201,16 @@ fn slots_drawing(entries: &[Entry], slots: usize) -> String {
         ];
         canvas.polygon(&band, &format!("fill:{}", fill(e.triangle)));
         let key = edge_key(e.a, e.b);
-        // A key that another had come before stands behind the slot of its hash.
+        // If the slot of its hash was taken, a key is in a later slot.
         let hash = if e.first == e.slot { format!("{}", e.first) } else { format!("{} (taken)", e.first) };
-        for (dx, words) in [
+        for (dx, text) in [
             (0.0, format!("{slot}")),
             (46.0, format!("{:08x} {:08x}", key >> 32, key as u32)),
             (250.0, format!("v{} to v{}", e.a, e.b)),
             (330.0, format!("f{}", e.triangle)),
             (374.0, hash),
         ] {
-            canvas.text([x + dx, y], Anchor::Start, 10.5, &words);
+            canvas.text([x + dx, y], Anchor::Start, 10.5, &text);
         }
     }
     canvas.svg()

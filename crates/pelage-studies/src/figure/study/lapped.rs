@@ -1,10 +1,9 @@
-//! A skin, the direction of its hair, and the patches that cover it.
+//! A skin, the direction field of its hair, and the lapped patches that cover it.
 
-use super::super::{FigureContent, FigureContext, PanelImage};
+use super::super::{FigureContent, FigureContext};
 use crate::report::{Table, number};
 use pelage_core::Result;
-use pelage_shells::lapped;
-use pelage_shells::lapped::Statistics;
+use pelage_shells::lapped::{self, Statistics};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -12,9 +11,9 @@ use serde::Deserialize;
 struct Settings {
     /// Scene file, relative to the figure's folder.
     scene: String,
-    /// Patches that the paper counts.
+    /// Number of patches in the paper.
     paper_patches: u32,
-    /// Faces of the paper's mesh.
+    /// Number of faces of the paper's mesh.
     paper_faces: u32,
 }
 
@@ -31,18 +30,18 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let skin = &world.skin;
         let found = lapped::lap(skin, &world.scene)?;
         if content.images.is_empty() {
-            // Facets show the mesh below the strokes.
+            // Flat shading shows the mesh below the strokes.
             let picture = lapped::field_picture(&found, &skin.clone().faceted(), side);
-            content.images.push(PanelImage::drawn("mesh and directions", picture));
+            content.picture("mesh and directions", picture);
         }
         let picture = lapped::patch_picture(&found, skin, side);
-        content.images.push(PanelImage::drawn(&format!("patches, {label}"), picture));
-        context.tell(&format!("patches, {label}: {:.2} s", found.time_ms / 1e3))?;
+        content.picture(&format!("patches, {label}"), picture);
+        context.report(&format!("patches, {label}: {:.2} s", found.time_ms / 1e3))?;
         if content.images.len() == 2 {
             fur = Some(context.render_panel("fur on the patches", &world, &assets)?);
         }
         let statistics = found.statistics(skin)?;
-        // Patches grow by comparisons of floats: another machine may end with a few more.
+        // Patches grow by comparing floats, so that another machine may find a few more or fewer.
         content.value(&format!("{label}: patches"), statistics.patches as f64, 5.0);
         content.value(&format!("{label}: coverage"), statistics.coverage, 1e-6);
         content.value(&format!("{label}: mean stretch"), statistics.mean_stretch, 0.01);
@@ -58,7 +57,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     rows.insert(1, paper);
     let caption = "Patches. Stretch is a face's largest singular value or the inverse of its smallest, whichever is larger; layers is \
         the area of all patches over that of the skin.";
-    content.table(&Table { caption: caption.into(), head: HEAD.map(String::from).to_vec(), rows });
+    content.table(&Table::new(caption, &HEAD, rows));
     Ok(content)
 }
 

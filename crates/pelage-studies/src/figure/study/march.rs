@@ -1,6 +1,5 @@
-//! The march of one ray, step by step: where it enters the shell, which subelements its steps read, and over which edges it hops.
+//! The march of one ray, step by step: where it enters the shell, the subelements that its steps read, and the edges that it crosses.
 
-use super::super::content::Diagram;
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe::{self, Probe};
 use super::super::{FigureContent, FigureContext};
@@ -19,19 +18,19 @@ use std::cell::RefCell;
 #[serde(deny_unknown_fields)]
 struct Settings {
     scene: String,
-    /// Pixels of the film, and the pixel whose ray is followed.
+    /// Pixels of the film, and the pixel of the ray.
     film: [u32; 2],
     pixel: [u32; 2],
 }
 
-/// A step of the march with what it went through to find its place.
+/// A step of the march, and how its place was found.
 struct Found {
     step: Step,
-    /// Where the medium was read, cm.
+    /// Point at which the medium was read, cm.
     at: Vec3,
     layer: u32,
     id: u32,
-    /// Prisms that were left on the way.
+    /// Prisms that were left to find the place.
     hops: Vec<u32>,
 }
 
@@ -42,17 +41,16 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let ray = sample_ray(&probe.frame, [0, 0]);
     let entry = probe.lists()?[0].iter().find(|n| n.kind() == Kind::Entry).map(|n| (n.z, n.id()));
     let Some((z, prism)) = entry else {
-        let words = "the ray of this pixel does not enter the shell";
-        return Err(Error::fault(context.folder.join("figure.toml"), words));
+        return Err(context.fault("the ray of this pixel does not enter the shell"));
     };
     let mut found = follow(&probe, ray, z, prism)?;
-    // The last step may reach below the skin, where nothing is counted.
+    // The last step may reach below the skin, where the medium does not count.
     let z_base = probe.bases()?[0].map_or(f32::INFINITY, |b| b.z);
     found.retain(|f| f.step.z < z_base);
     for f in &mut found {
         f.step.z_end = f.step.z_end.min(z_base);
     }
-    // Nor is its middle where it is drawn, if it was to end farther off.
+    // A step that was cut at the skin has another midpoint.
     if let Some(last) = found.last_mut() {
         last.at = Vec3::from(probe.frame.eye) + 0.5 * (last.step.z + last.step.z_end) * ray;
     }
@@ -72,27 +70,26 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         ("entries into another subelement", entered),
         ("subelements that are read", subelements.len()),
     ] {
-        // A step near an edge may fall on its other side with other rounding.
+        // With other rounding, a step near an edge may be on the other side of it.
         content.value(name, value as f64, 1.0);
     }
     content.value("transmittance", f64::from((-opaque).exp()), 1e-3);
-    content.diagrams.push(Diagram {
-        name: "section".into(),
-        caption: "A cut through the shell in the plane of the ray: subelements coloured by their global index, the march through them".into(),
-        svg: section(&probe, ray, z, &found),
-    });
-    content.diagrams.push(Diagram {
-        name: "prisms".into(),
-        caption:
-            "The same ray in space: the prisms that it hops through and the subelements that its steps read"
-                .into(),
-        svg: space(&probe, ray, z, &found),
-    });
+    content.diagram(
+        "section",
+        "A cut through the shell in the plane of the ray: subelements coloured by their global index, the march \
+         through them",
+        section(&probe, ray, z, &found),
+    );
+    content.diagram(
+        "prisms",
+        "The same ray in space: the prisms that it hops through and the subelements that its steps read",
+        space(&probe, ray, z, &found),
+    );
     content.table(&table(&found));
     Ok(content)
 }
 
-/// Marches as the twin does, and asks once more on which way each place was found.
+/// Marches like the CPU twin, then locates each place again and records the prisms on the way.
 fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>> {
     let (inputs, shell) = (probe.inputs(), &probe.shell);
     let phase = first_phase(&probe.frame, [0, 0]);
@@ -113,7 +110,9 @@ fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>
             most_negative(place.lambda)
         });
         if located != Located::Inside || place.prism != step.place.prism {
-            return Err(Error::Unsupported(format!("step {k} was found in another prism when asked again")));
+            return Err(Error::Unsupported(format!(
+                "step {k} was found in another prism when located again"
+            )));
         }
         let layers = probe.fur.layers;
         let layer = ((step.place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
@@ -129,7 +128,7 @@ const STEP: &str = "fill:#fff;stroke:#000;stroke-width:1.2";
 const NEW: &str = "fill:#000;stroke:#fff;stroke-width:1";
 const HOP: &str = "fill:#d55e00;stroke:#fff;stroke-width:1";
 
-/// Marks the steps: what entered another subelement black, what entered another prism orange.
+/// Marks the steps: black if they enter another subelement, orange if they enter another prism.
 fn marks(canvas: &mut Canvas, found: &[Found], at: impl Fn(Vec3) -> Point) {
     for (k, f) in found.iter().enumerate() {
         let key = |f: &Found| (f.step.place.prism, f.layer, f.id);
@@ -143,8 +142,18 @@ fn marks(canvas: &mut Canvas, found: &[Found], at: impl Fn(Vec3) -> Point) {
     }
 }
 
+/// The ray from outside the shell to its entry and on to its exit, and the steps on it.
+fn marched_ray(canvas: &mut Canvas, view: &View, points: [Vec3; 3], found: &[Found]) {
+    let [outside, entry, exit] = points.map(|p| view.place(p));
+    canvas.arrow(outside, entry, "stroke:#000;stroke-width:1.6");
+    canvas.line(entry, exit, "stroke:#000;stroke-width:1.2");
+    canvas.circle(entry, 5.5, "fill:#0072b2;stroke:#fff;stroke-width:1.2");
+    canvas.circle(exit, 8.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
+    marks(canvas, found, |p| view.place(p));
+}
+
 fn legend(canvas: &mut Canvas, [x, y]: Point) {
-    for (k, (radius, style, words)) in [
+    for (k, (radius, style, text)) in [
         (4.2, NEW, "first step in a subelement"),
         (3.2, STEP, "further step in the same subelement"),
         (5.0, HOP, "first step behind a hop to a neighbouring prism"),
@@ -154,7 +163,7 @@ fn legend(canvas: &mut Canvas, [x, y]: Point) {
     {
         let y = y + 18.0 * k as f64;
         canvas.circle([x, y], radius, style);
-        canvas.text([x + 12.0, y + 4.0], Anchor::Start, 12.0, words);
+        canvas.text([x + 12.0, y + 4.0], Anchor::Start, 12.0, text);
     }
 }
 
@@ -163,7 +172,7 @@ fn ends(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> [Vec3; 2] {
     [eye + z * ray, eye + found.last().map_or(z, |f| f.step.z_end) * ray]
 }
 
-/// The plane of the ray and of the shell's upward direction.
+/// The cut along the plane of the ray and of the shell's upward direction.
 fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     const MARGIN: f32 = 0.45;
     let size = [860.0, 520.0];
@@ -216,12 +225,7 @@ fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
         canvas.polygon(&points, "fill:none;stroke:#222;stroke-width:1.4");
     }
     let direction = (exit - entry).normalize_or(Vec3::NEG_Y);
-    let from = view.place(entry - direction * 0.6 * MARGIN);
-    canvas.arrow(from, view.place(entry), "stroke:#000;stroke-width:1.6");
-    canvas.line(view.place(entry), view.place(exit), "stroke:#000;stroke-width:1.2");
-    canvas.circle(view.place(entry), 5.5, "fill:#0072b2;stroke:#fff;stroke-width:1.2");
-    canvas.circle(view.place(exit), 8.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
-    marks(&mut canvas, found, |p| view.place(p));
+    marched_ray(&mut canvas, &view, [entry - direction * 0.6 * MARGIN, entry, exit], found);
     legend(&mut canvas, [24.0, size[1] - 50.0]);
     canvas.circle([420.0, size[1] - 50.0], 5.5, "fill:#0072b2");
     canvas.text([432.0, size[1] - 46.0], Anchor::Start, 12.0, "entry (shell fragment)");
@@ -236,7 +240,7 @@ fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     canvas.svg()
 }
 
-/// The prisms as outlines, the subelements that were read as bodies.
+/// The prisms as outlines, and the subelements that were read as bodies.
 fn space(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     let [entry, exit] = ends(probe, ray, z, found);
     let (shell, layers) = (&probe.shell, probe.fur.layers);
@@ -289,11 +293,7 @@ fn space(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     let mut canvas = Canvas::new(size[0], size[1]);
     painter.draw(&mut canvas);
     let direction = (exit - entry).normalize_or(Vec3::NEG_Y);
-    canvas.arrow(view.place(entry - 0.3 * direction), view.place(entry), "stroke:#000;stroke-width:1.6");
-    canvas.line(view.place(entry), view.place(exit), "stroke:#000;stroke-width:1.2");
-    canvas.circle(view.place(entry), 5.5, "fill:#0072b2;stroke:#fff;stroke-width:1.2");
-    canvas.circle(view.place(exit), 8.5, "fill:#009e73;stroke:#fff;stroke-width:1.2");
-    marks(&mut canvas, found, |p| view.place(p));
+    marched_ray(&mut canvas, &view, [entry - 0.3 * direction, entry, exit], found);
     legend(&mut canvas, [24.0, size[1] - 50.0]);
     canvas.svg()
 }
@@ -328,5 +328,5 @@ fn table(found: &[Found]) -> Table {
         "global, eq. 3",
         "transmittance",
     ];
-    Table { caption: "The steps:".into(), head: head.map(String::from).into(), rows: rows.collect() }
+    Table::new("The steps:", &head, rows.collect())
 }

@@ -1,4 +1,4 @@
-//! A camera that goes round the fur: an animated PNG, a few of its frames, and how much the picture flickers.
+//! A camera that orbits the fur: an animated PNG, some of its frames, and the flicker of the picture.
 
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
@@ -9,28 +9,28 @@ use pelage_core::film::composite::over;
 use pelage_core::film::tonemap::{display_rgb8, luminance, srgb_decode, srgb_encode};
 use pelage_core::film::{Film, depth_of_field};
 use pelage_core::scene::FilmSpec;
-use pelage_core::{Result, World, animation, files};
+use pelage_core::{Error, Result, World, animation, files};
 use serde::Deserialize;
 use std::io::Write;
 use std::path::Path;
 
-/// The video's name.
+/// File name of the video.
 const FILE: &str = "orbit.png";
-/// What the encoded luminance 1 is as a code value.
+/// Code value of the encoded luminance 1.
 const CODES: f64 = 255.0;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// Scene file, relative to the figure's folder; `[animation]` says how many frames, how fast, how far round.
+    /// Scene file, relative to the figure's folder; its `[animation]` sets the number of frames, their rate and the angle.
     scene: String,
-    /// How many of its frames are shown as pictures.
+    /// Number of frames that are also shown as pictures.
     shown: u32,
-    /// Frames of the camera's small steps; at least 3.
+    /// Frames of the flicker measurement; at least 3.
     steps: u32,
-    /// Length of a step, pixels.
+    /// Camera step between two of them, pixels.
     step: f32,
-    /// How many times the samples are taken for what motion alone leaves.
+    /// Factor on the samples for the variant that shows what remains from motion alone.
     samples: u32,
 }
 
@@ -43,7 +43,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// Renders the orbit.
+/// Renders the orbit and writes the video.
 fn video(
     context: &FigureContext,
     settings: &Settings,
@@ -57,10 +57,10 @@ fn video(
     let mut pictures = Vec::new();
     for number in 1..=frames {
         world.scene.camera = animation::at(&scene, number).camera;
-        let shot = context.render_panel(&format!("frame {number}"), world, assets)?;
-        pictures.push(codes(&shot.film, &shot.spec)?);
+        let image = context.render_panel(&format!("frame {number}"), world, assets)?;
+        pictures.push(codes(&image.film, &image.spec)?);
         if (number - 1) % every == 0 {
-            content.images.push(shot);
+            content.images.push(image);
         }
     }
     world.scene = scene;
@@ -81,7 +81,7 @@ fn codes(film: &Film, spec: &FilmSpec) -> Result<Vec<u8>> {
         .collect())
 }
 
-/// Frames as an animated PNG that repeats.
+/// Frames as an animated PNG that repeats forever.
 fn animated(width: u32, height: u32, frames: &[Vec<u8>], fps: f32) -> Result<Vec<u8>> {
     let encode = || -> Result<Vec<u8>, png::EncodingError> {
         let mut bytes = Vec::new();
@@ -96,18 +96,18 @@ fn animated(width: u32, height: u32, frames: &[Vec<u8>], fps: f32) -> Result<Vec
         writer.finish()?;
         Ok(bytes)
     };
-    encode().map_err(|e| pelage_core::Error::io(Path::new(FILE), std::io::Error::other(e)))
+    encode().map_err(|e| Error::io(Path::new(FILE), std::io::Error::other(e)))
 }
 
-/// A way to render successive frames.
-struct Way {
+/// Sampling of successive frames.
+struct Variant {
     name: String,
     samples: u32,
-    /// Whether each frame has a seed of its own.
+    /// Whether each frame has its own seed.
     seeds: bool,
 }
 
-/// Measures the flicker of small steps of the camera.
+/// Measures the flicker while the camera moves in small steps.
 fn flicker(
     context: &FigureContext,
     settings: &Settings,
@@ -115,14 +115,14 @@ fn flicker(
     content: &mut FigureContent,
 ) -> Result<()> {
     let spp = world.scene.film.spp;
-    let way = |name: String, samples, seeds| Way { name, samples, seeds };
-    let ways = [
-        way(format!("{spp} samples a pixel"), spp, false),
-        way(format!("{} samples", spp * settings.samples), spp * settings.samples, false),
-        way(format!("{spp} samples, a new seed each frame"), spp, true),
+    let variant = |name: String, samples, seeds| Variant { name, samples, seeds };
+    let variants = [
+        variant(format!("{spp} samples a pixel"), spp, false),
+        variant(format!("{} samples", spp * settings.samples), spp * settings.samples, false),
+        variant(format!("{spp} samples, a new seed each frame"), spp, true),
     ];
     let scene = world.scene.clone();
-    // What stands half the picture's height in front of the axis moves by so many pixels.
+    // A point half the picture's height in front of the axis moves by this number of pixels.
     let step = (2.0 * settings.step / scene.film.height as f32).to_degrees();
     let mut plot = Plot {
         caption: format!("Flicker while the camera goes round in steps of {} pixels", settings.step),
@@ -130,55 +130,52 @@ fn flicker(
         y: "flicker, code values".into(),
         ..Plot::default()
     };
-    let mut table = Table {
-        caption: format!(
-            "Flicker over {} frames, {step:.4} degrees apart: root mean square over the fur's pixels, code values of 255.",
-            settings.steps
-        ),
-        head: ["", "flicker", "by the first"].map(String::from).to_vec(),
-        rows: Vec::new(),
-    };
+    let caption = format!(
+        "Flicker over {} frames, {step:.4} degrees apart: root mean square over the fur's pixels, code values of 255.",
+        settings.steps
+    );
+    let mut table = Table::new(caption, &["", "flicker", "by the first"], Vec::new());
     let mut first = f64::NAN;
-    for way in ways {
-        let mut seen: Vec<Seen> = Vec::new();
-        let mut curve = Curve { name: way.name.clone(), points: Vec::new() };
+    for variant in variants {
+        let mut frames: Vec<Shown> = Vec::new();
+        let mut curve = Curve::new(&variant.name, Vec::new());
         for k in 0..settings.steps.max(3) {
             world.scene = scene.clone();
-            world.scene.film.spp = way.samples;
+            world.scene.film.spp = variant.samples;
             world.scene.animation.frames = 1;
             world.scene.animation.turntable = step;
-            // Frame k + 1 of an animation of one frame stands k whole turntables further.
+            // Frame k + 1 of an animation of one frame is rotated by k whole turntables.
             world.scene.camera = animation::at(&world.scene, k + 1).camera;
-            if way.seeds {
+            if variant.seeds {
                 world.scene.render.seed = scene.render.seed.wrapping_add(k);
             }
             let mut frame = context.render(&world)?;
             depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
-            seen.push(Seen::of(&frame.film, &world.scene.film)?);
-            if let [.., a, b, c] = &seen[..] {
+            frames.push(Shown::of(&frame.film, &world.scene.film)?);
+            if let [.., a, b, c] = &frames[..] {
                 curve.points.push([f64::from(k), second_difference([a, b, c])]);
             }
         }
         let mean = curve.points.iter().map(|p| p[1]).sum::<f64>() / curve.points.len() as f64;
         first = if first.is_nan() { mean } else { first };
-        context.tell(&format!("flicker, {}: {mean:.3}", way.name))?;
-        table.rows.push(vec![way.name.clone(), format!("{mean:.3}"), format!("{:.2}", mean / first)]);
-        content.value(&format!("flicker, {}", way.name), mean, 0.05 * mean);
+        context.report(&format!("flicker, {}: {mean:.3}", variant.name))?;
+        table.rows.push(vec![variant.name.clone(), format!("{mean:.3}"), format!("{:.2}", mean / first)]);
+        content.value(&format!("flicker, {}", variant.name), mean, 0.05 * mean);
         plot.curves.push(curve);
     }
     content.table(&table);
-    content.plots.push(("flicker".into(), plot));
+    content.plot("flicker", plot);
     Ok(())
 }
 
-/// What a frame shows.
-struct Seen {
+/// The pixels of a displayed frame.
+struct Shown {
     /// sRGB-encoded luminance over the background colour, 0..1.
     luminance: Vec<f32>,
     alpha: Vec<f32>,
 }
 
-impl Seen {
+impl Shown {
     fn of(film: &Film, spec: &FilmSpec) -> Result<Self> {
         let [r, g, b] = spec.background_color;
         let shown = |pixel: &[f32; 4]| {
@@ -194,9 +191,9 @@ impl Seen {
     }
 }
 
-/// Root mean square of the second difference in time over the pixels that fur covers in the middle frame, by the root of 6, in code
-/// values: the standard deviation of noise that is independent from frame to frame. What moves evenly leaves nothing.
-fn second_difference([a, b, c]: [&Seen; 3]) -> f64 {
+/// Root mean square of the second difference in time, divided by the root of 6, over the pixels that fur covers in the middle frame; in
+/// code values. For noise that is independent from frame to frame it is the standard deviation; for a uniform change it is 0.
+fn second_difference([a, b, c]: [&Shown; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0u32);
     for (i, alpha) in b.alpha.iter().enumerate() {
         if *alpha > 0.0 {
@@ -212,25 +209,25 @@ mod tests {
     use super::*;
     use pelage_fur::random::random;
 
-    fn seen(value: impl Fn(u32) -> f32) -> Seen {
-        Seen { luminance: (0..4000).map(value).collect(), alpha: vec![1.0; 4000] }
+    fn frame(value: impl Fn(u32) -> f32) -> Shown {
+        Shown { luminance: (0..4000).map(value).collect(), alpha: vec![1.0; 4000] }
     }
 
     #[test]
-    fn noise_flickers_and_even_motion_does_not() {
-        let ramp = |k: u32| seen(move |i| 0.3 + 1e-4 * i as f32 + 0.01 * k as f32);
+    fn noise_flickers_and_uniform_change_does_not() {
+        let ramp = |k: u32| frame(move |i| 0.3 + 1e-4 * i as f32 + 0.01 * k as f32);
         assert!(second_difference([&ramp(0), &ramp(1), &ramp(2)]) < 1e-3);
         // Uniform noise of width 0.1 has a standard deviation of 0.1 / sqrt(12).
-        let noise = |k: u32| seen(move |i| 0.3 + 0.1 * random(i, k));
+        let noise = |k: u32| frame(move |i| 0.3 + 0.1 * random(i, k));
         let found = second_difference([&noise(0), &noise(1), &noise(2)]);
         assert!((found / (255.0 * 0.1 / 12f64.sqrt()) - 1.0).abs() < 0.05, "{found}");
     }
 
     #[test]
-    fn nothing_but_fur_counts() {
-        let mut middle = seen(|_| 0.0);
+    fn only_fur_counts() {
+        let mut middle = frame(|_| 0.0);
         middle.alpha = vec![0.0; 4000];
-        let all = seen(|i| i as f32);
+        let all = frame(|i| i as f32);
         assert_eq!(second_difference([&all, &middle, &all]), 0.0);
     }
 

@@ -1,8 +1,8 @@
-//! What the steps leave in their buffers, as pictures: Andersen et al. 2016, figure 3, from the renderer itself.
+//! The buffers after each step as pictures, as in Andersen et al. 2016, figure 3.
 
 use super::super::drawing::{magma, number_color, pixel};
 use super::super::probe::{self, Probe};
-use super::super::{FigureContent, FigureContext, PanelImage};
+use super::super::{FigureContent, FigureContext};
 use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::film::Film;
@@ -20,13 +20,13 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 struct Settings {
     scene: String,
-    /// Height above the skin at which the volume and the light are shown, 0..1.
+    /// Height within the shell at which volume and light are shown, 0..1.
     height: f32,
-    /// One of so many roots and hairs is shown.
+    /// Every how many-th root and hair is shown.
     each: usize,
 }
 
-/// What is behind where there is nothing, sRGB-coded.
+/// Colour of pixels without a value, sRGB-encoded.
 const NOTHING: Vec3 = Vec3::splat(0.86);
 
 pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
@@ -113,25 +113,25 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// Pictures of one size, each with its key under it.
+/// Pictures of one size, some with a colour key.
 struct Strips<'a> {
     size: [u32; 2],
     content: &'a mut FigureContent,
 }
 
 impl Strips<'_> {
-    /// Rows of the key.
+    /// Rows of the colour key.
     const KEY: u32 = 6;
 
-    /// Colours, sRGB-coded.
+    /// Adds a picture of sRGB-encoded colours.
     fn show(&mut self, label: &str, colors: Vec<Vec3>) {
         let [w, h] = self.size;
         let pixels: Vec<[f32; 4]> = colors.into_iter().map(pixel).collect();
-        self.content.images.push(PanelImage::drawn(label, Film::from_premultiplied(w, h, &pixels)));
+        self.content.picture(label, Film::from_premultiplied(w, h, &pixels));
     }
 
-    /// Values in the magma colour map, from the smallest to the 99th percentile; the label tells the range, and the key lies over the
-    /// lowest rows.
+    /// Adds a picture of values in the magma colour map, from the smallest to the 99th percentile. The label contains the range; the colour
+    /// key covers the lowest rows.
     fn map(&mut self, label: &str, value: impl Fn(usize) -> Option<f32>) {
         let [w, h] = self.size;
         let values: Vec<Option<f32>> = (0..w as usize * h as usize).map(value).collect();
@@ -151,7 +151,7 @@ impl Strips<'_> {
     }
 }
 
-/// The place on the skin that each pixel sees.
+/// The place on the skin that is visible in each pixel.
 fn places(probe: &Probe<'_>) -> Result<Vec<Option<Place>>> {
     let triangles = base_raster::triangles(&probe.frame, &probe.shell);
     let place = |(i, triangle): (usize, &Option<u32>)| {
@@ -167,7 +167,7 @@ fn places(probe: &Probe<'_>) -> Result<Vec<Option<Place>>> {
     Ok(triangles.iter().enumerate().map(place).collect())
 }
 
-/// Prisms in colours of their own, and the roots that the camera sees.
+/// Prisms, each in its own colour, and the visible roots.
 fn roots(probe: &Probe<'_>, places: &[Option<Place>], each: usize) -> Result<Vec<Vec3>> {
     let mut colors: Vec<Vec3> =
         places.iter().map(|p| p.map_or(NOTHING, |place| number_color(place.prism, 0.25, 0.95))).collect();
@@ -182,7 +182,7 @@ fn roots(probe: &Probe<'_>, places: &[Option<Place>], each: usize) -> Result<Vec
             continue;
         }
         let i = at.y as usize * width as usize + at.x as usize;
-        // On the far side of the skin otherwise.
+        // Other roots are on the far side of the skin.
         let near = places[i].is_some_and(|seen| (seen.point(0.0, seen.lambda) - p).length() < 0.5);
         if near {
             colors[i] = Vec3::ZERO;
@@ -191,7 +191,7 @@ fn roots(probe: &Probe<'_>, places: &[Option<Place>], each: usize) -> Result<Vec
     Ok(colors)
 }
 
-/// Height (0 root, 1 tip) along the nearest of the hairs that are drawn in each pixel.
+/// Position along the nearest hair in each pixel: 0 root, 1 tip.
 fn hairs(probe: &Probe<'_>, each: usize) -> Result<Vec<Option<f32>>> {
     let segments = probe.prepared.segments as usize;
     let vertices: Vec<[f32; 4]> =

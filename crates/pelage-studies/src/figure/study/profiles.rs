@@ -1,4 +1,4 @@
-//! How much hair the layers of each panel's textures hold at each height.
+//! The amount of hair in each texture layer of each panel, by height.
 
 use super::super::{FigureContent, FigureContext};
 use crate::report::plot::{Curve, Plot};
@@ -19,14 +19,14 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let last = (depths.len().max(2) - 1) as f64;
         let part = |l: usize| depths.get(l).map_or(0.0, |d| d / innermost);
         let points = (0..depths.len()).map(|l| [l as f64 / last, part(l)]).collect();
-        curves.push(Curve { name: panel.label.clone(), points });
+        curves.push(Curve::new(&panel.label, points));
         let [quarter, half] = [0.25, 0.5].map(|h: f64| part((h * last).round() as usize));
         let all = depths.iter().sum::<f64>() / innermost / depths.len().max(1) as f64;
         rows.push(vec![panel.label.clone(), number(quarter), number(half), number(all)]);
         content.value(&format!("{}: left at half of the height", panel.label), half, 0.002);
     }
-    content.plots.push((
-        "profiles".into(),
+    content.plot(
+        "profiles",
         Plot {
             caption: "Hair in each layer, by that of the innermost".into(),
             x: "height, 0 skin to 1 tip".into(),
@@ -34,8 +34,8 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             curves,
             ..Plot::default()
         },
-    ));
+    );
     let head = ["profile", "left at a quarter", "left at half", "mean over the height"];
-    content.table(&Table { caption: String::new(), head: head.map(String::from).to_vec(), rows });
+    content.table(&Table::new("", &head, rows));
     Ok(content)
 }

@@ -1,10 +1,11 @@
-//! How the time of a rendering grows with pixels, samples, guard hairs, triangles and subelements of the undercoat.
+//! Growth of the rendering time with pixels, samples, guard hairs, triangles, and subelements of the undercoat.
 
 use super::super::{FigureContent, FigureContext};
 use crate::bench::Column;
+use crate::bench::sweep::multiply_strands;
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
-use pelage_core::scene::{Scalar, Storage};
+use pelage_core::scene::Storage;
 use pelage_core::skin::Skin;
 use pelage_core::{Error, Result, World};
 use serde::Deserialize;
@@ -15,7 +16,7 @@ use std::collections::HashMap;
 struct Settings {
     /// Scene file, relative to the figure's folder.
     scene: String,
-    /// Renderings of each; the fastest counts.
+    /// Renderings of each variant; the fastest counts.
     runs: u32,
     /// Factors on the width and the height of the picture.
     sides: Vec<f32>,
@@ -23,16 +24,16 @@ struct Settings {
     samples: Vec<u32>,
     /// Factors on the density of the guard hairs.
     strands: Vec<f32>,
-    /// How many times each triangle is split into four.
+    /// Numbers of times that each triangle is split into four.
     splits: Vec<u32>,
     /// Subdivision levels of the undercoat.
     subdivisions: Vec<u32>,
 }
 
-/// One quantity, with the renderings that differ in it.
+/// A quantity, and worlds that differ in it.
 struct Sweep {
     name: &'static str,
-    /// The quantity of a rendering.
+    /// The quantity, measured in a rendering.
     amount: fn(&Column) -> f64,
     worlds: Vec<World>,
 }
@@ -41,13 +42,10 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, _) = context.load(&settings.scene, &[])?;
     let mut content = FigureContent::default();
-    let mut table = Table {
-        caption: "Exponents: a time grows as the quantity to this power, by least squares over the logarithms. Before the first ray: steps 1 to 3; with \
-                  the camera: steps 4 to 7."
-            .into(),
-        head: ["", "from", "to", "before the first ray", "with the camera", "all", "fragments"].map(String::from).to_vec(),
-        rows: Vec::new(),
-    };
+    let caption = "Exponents: a time grows as the quantity to this power, by least squares over the logarithms. Before the \
+         first ray: steps 1 to 3; with the camera: steps 4 to 7.";
+    let head = ["", "from", "to", "before the first ray", "with the camera", "all", "fragments"];
+    let mut table = Table::new(caption, &head, Vec::new());
     for sweep in sweeps(&settings, &world) {
         let mut columns = Vec::new();
         for world in &sweep.worlds {
@@ -59,7 +57,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
                 measured => measured?,
             };
             let ms = column.total_ms.map_or(column.wall_ms.min, |t| t.min);
-            context.tell(&format!("{} {}: {:.2} s", sweep.name, (sweep.amount)(&column), ms / 1e3))?;
+            context.report(&format!("{} {}: {:.2} s", sweep.name, (sweep.amount)(&column), ms / 1e3))?;
             columns.push(column);
         }
         present(&sweep, &columns, &mut table, &mut content);
@@ -75,9 +73,8 @@ fn present(sweep: &Sweep, columns: &[Column], table: &mut Table, content: &mut F
         ("with the camera (steps 4 to 7)", |c| c.online_ms.map(|t| t.min)),
         ("all steps", |c| c.total_ms.map(|t| t.min)),
     ];
-    let curve = |(name, time): (&str, Time)| Curve {
-        name: name.to_owned(),
-        points: columns.iter().filter_map(|c| Some([(sweep.amount)(c), time(c)?])).collect(),
+    let curve = |(name, time): (&str, Time)| {
+        Curve::new(name, columns.iter().filter_map(|c| Some([(sweep.amount)(c), time(c)?])).collect())
     };
     let plot = Plot {
         caption: format!("Time by {}", sweep.name),
@@ -101,10 +98,10 @@ fn present(sweep: &Sweep, columns: &[Column], table: &mut Table, content: &mut F
     if let Some(exponent) = exponent(&fragments) {
         content.value(&format!("fragments by {}, exponent", sweep.name), exponent, 0.03);
     }
-    content.plots.push((format!("by {}", sweep.name), plot));
+    content.plot(&format!("by {}", sweep.name), plot);
 }
 
-/// Slope of the logarithms by least squares; `None` where there are not two different points that have logarithms.
+/// Slope of the logarithms by least squares; `None` without two points of different positive x.
 fn exponent(points: &[[f64; 2]]) -> Option<f64> {
     let logs: Vec<[f64; 2]> =
         points.iter().filter(|p| p[0] > 0.0 && p[1] > 0.0).map(|p| p.map(f64::ln)).collect();
@@ -129,21 +126,13 @@ fn sweeps(settings: &Settings, world: &World) -> [Sweep; 5] {
             w.scene.film.height = of(film.height);
         })
     };
-    let strands = |factor: &f32| {
-        changed(&|w: &mut World| match &mut w.scene.guard.density {
-            Scalar::Constant(density) => *density *= factor,
-            Scalar::Mapped(map) => {
-                map.value *= factor;
-                map.offset *= factor;
-            }
-        })
-    };
+    let strands = |factor: &f32| changed(&|w| multiply_strands(w, *factor));
     let split = |times: &u32| {
         changed(&|w: &mut World| {
             for _ in 0..*times {
                 w.skin = split_in_four(&w.skin);
             }
-            // What is stored for each triangle grows with their number at one level, and is evaluated at all of them alike.
+            // Stored densities would grow with the number of triangles; evaluated ones treat all levels alike.
             w.scene.undercoat.storage = Storage::Evaluated;
         })
     };
@@ -182,7 +171,7 @@ fn sweeps(settings: &Settings, world: &World) -> [Sweep; 5] {
     ]
 }
 
-/// The same surface with four triangles for each: a vertex in the middle of every edge.
+/// The same surface with every triangle split into four by the midpoints of its edges.
 fn split_in_four(skin: &Skin) -> Skin {
     let mut new = Skin { triangles: Vec::new(), corner_uv: None, ..skin.clone() };
     let mut middles = HashMap::new();

@@ -1,4 +1,4 @@
-//! Frames a second of shells and fins, beside those that a paper printed.
+//! Frames per second of shells and fins, beside those of a paper.
 
 use super::super::{FigureContent, FigureContext};
 use crate::bench::shells::Row;
@@ -11,26 +11,26 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// Picture, pixels; one sample each.
+    /// Pixels of the image, one sample each.
     size: [u32; 2],
-    /// Frames of each.
+    /// Frames of each model.
     runs: u32,
-    /// What is measured.
+    /// Models that are measured.
     models: Vec<Model>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Model {
-    /// Its name here.
+    /// Name in the table.
     name: String,
     /// Scene file, relative to the figure's folder.
     scene: String,
-    /// The paper's.
+    /// Figures from the paper.
     paper: Paper,
 }
 
-/// What the paper printed of a model.
+/// A model's row in the paper.
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Paper {
@@ -38,7 +38,7 @@ struct Paper {
     faces: u32,
     edges: u32,
     patches: u32,
-    /// Frames a second with half of the layers, and with all.
+    /// Frames per second with half of the layers, and with all.
     fps: [f64; 2],
 }
 
@@ -65,7 +65,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
                 model.name, half.shells, all.shells
             )));
         }
-        context.tell(&format!(
+        context.report(&format!(
             "{}: {:.1} and {:.1} frames a second",
             model.name, half.fps.median, all.fps.median
         ))?;
@@ -104,13 +104,10 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         "all layers, frames/s",
         "half by all",
     ];
-    content.table(&Table {
-        caption: format!(
-            "Median of {} frames of {width} x {height} pixels here; the paper does not say how large its pictures are.",
-            settings.runs
-        ),
-        head: head.map(String::from).to_vec(),
-        rows,
-    });
+    let caption = format!(
+        "Median of {} frames of {width} x {height} pixels here; the paper does not say how large its pictures are.",
+        settings.runs
+    );
+    content.table(&Table::new(caption, &head, rows));
     Ok(content)
 }

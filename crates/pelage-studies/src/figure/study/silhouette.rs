@@ -1,7 +1,6 @@
-//! Where fins stand: edges at the silhouette and near it, found as the rasteriser finds them, and what they are extruded to; and shells
-//! offset from a mesh.
+//! Edges at and near the silhouette, as the rasteriser finds them, and the fins extruded from them; and shells offset from a mesh.
 
-use super::super::{FigureContent, FigureContext, PanelImage};
+use super::super::{FigureContent, FigureContext};
 use super::canvas::{Canvas, shade};
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -9,8 +8,7 @@ use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, World};
 use pelage_fur::layout::{FinEdge, ShellVertex, Shellfin};
 use pelage_fur::random::{hash2, random};
-use pelage_shells::bake;
-use pelage_shells::bake::FurTextures;
+use pelage_shells::bake::{self, FurTextures};
 use pelage_shells::shellfin::edges;
 use pelage_shells::twin::shellfin_raster::fin_fade;
 use serde::Deserialize;
@@ -33,9 +31,9 @@ struct Settings {
 struct ShellSettings {
     /// Scene file, relative to the figure's folder.
     scene: String,
-    /// Shells that are drawn.
+    /// Number of shells that are drawn.
     shells: u32,
-    /// The fin stands on the edge whose middle is nearest to this place, cm.
+    /// The fin is drawn on the edge whose midpoint is nearest to this point, cm.
     fin_at: [f32; 3],
 }
 
@@ -52,7 +50,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         let shellfin = Shellfin { fade: 1, fin_threshold: threshold, ..Shellfin::zeroed() };
         all.iter().filter(|e| fin_fade(&shellfin, &vertices, e, eye) > 0.0).copied().collect::<Vec<_>>()
     };
-    // No cosine is below zero: what is left is on the silhouette.
+    // A cosine is never below zero, so that only edges on the silhouette are left.
     let (on, near) = (within(0.0), within(threshold));
 
     let mut content = FigureContent::default();
@@ -60,7 +58,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     mesh(&mut canvas, &world, 0.5);
     strokes(&mut canvas, &world, &near, YELLOW);
     strokes(&mut canvas, &world, &on, ORANGE);
-    content.images.push(PanelImage::drawn("silhouette edges", canvas.film()));
+    content.picture("silhouette edges", canvas.film());
 
     let mut canvas = Canvas::new(&world.scene.camera, context.size());
     mesh(&mut canvas, &world, 0.5);
@@ -70,7 +68,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     for edge in &on {
         fin(&mut canvas, &world, &textures, edge, Some(ORANGE));
     }
-    content.images.push(PanelImage::drawn("extruded to fins", canvas.film()));
+    content.picture("extruded to fins", canvas.film());
     content.value("edges", all.len() as f64, 0.0);
     content.value("edges on the silhouette", on.len() as f64, 2.0);
     content.value("edges with fins", near.len() as f64, 2.0);
@@ -118,7 +116,7 @@ pub(super) fn shells(context: &FigureContext) -> Result<FigureContent> {
                 canvas.line([at(e.a, h), at(e.b, h)], BLUE.lerp(Vec3::ONE, pale), width, 0.0);
             }
         }
-        content.images.push(PanelImage::drawn(label, canvas.film()));
+        content.picture(label, canvas.film());
     }
     content.value("triangles", skin.triangles.len() as f64, 0.0);
     content.value("edges", all.len() as f64, 0.0);
@@ -132,7 +130,7 @@ fn vertices(world: &World) -> Vec<ShellVertex> {
         .collect()
 }
 
-/// The skin with flat faces and its edges.
+/// The skin, flat shaded, with its edges.
 fn mesh(canvas: &mut Canvas, world: &World, width: f32) {
     let skin = &world.skin;
     for t in 0..skin.triangles.len() {
@@ -155,7 +153,7 @@ fn strokes(canvas: &mut Canvas, world: &World, edges: &[FinEdge], color: Vec3) {
     }
 }
 
-/// A fin as the rasteriser places it in its texture; with `outline` also the sides of its two triangles.
+/// A fin with the texture coordinates that the rasteriser gives it; with `outline` also the edges of its two triangles.
 fn fin(canvas: &mut Canvas, world: &World, textures: &FurTextures, edge: &FinEdge, outline: Option<Vec3>) {
     let skin = &world.skin;
     let height = textures.manifest.height;

@@ -1,8 +1,8 @@
-//! Time and memory against the number of guard hairs, and how many hairs the time of the undercoat would buy.
+//! Time and memory by the number of guard hairs, and the number of hairs that take as long as the undercoat.
 
 use super::super::{FigureContent, FigureContext};
 use crate::bench::sweep::Sweep;
-use crate::bench::{Times, paper, repeat};
+use crate::bench::{Times, mebibytes, paper, repeat, steps_ms};
 use crate::report::plot::{Curve, Plot};
 use crate::report::{Table, number};
 use pelage_core::Result;
@@ -15,9 +15,9 @@ use serde::Deserialize;
 #[serde(deny_unknown_fields)]
 struct Settings {
     scene: String,
-    /// Renderings of each.
+    /// Renderings of each variant.
     runs: u32,
-    /// Undercoat hairs that the volume stands for in the paper's pelt.
+    /// Undercoat hairs that the volume of the paper's pelt replaces.
     undercoat: f64,
 }
 
@@ -27,8 +27,8 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     world.scene.render.fur = FurLayers::Explicit;
     let table = Sweep::Strands.measure(context.gpu, &world, "pelt", settings.runs)?;
     world.scene.render.fur = FurLayers::Implicit;
-    let coat = repeat(context.gpu, &world, settings.runs)?;
-    let march = Times::of(coat.iter().map(|s| time(s, &[4, 7]))).map_or(f64::NAN, |t| t.min);
+    let undercoat = repeat(context.gpu, &world, settings.runs)?;
+    let march = Times::of(undercoat.iter().map(|s| steps_ms(s, &[4, 7]))).map_or(f64::NAN, |t| t.min);
     let mut content = FigureContent::default();
     let mut measured = Vec::new();
     for row in &table.rows {
@@ -39,83 +39,66 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         measured.push((row.label.clone(), stats.clone(), row.ms.map_or(f64::NAN, |t| t.min)));
     }
     let strands = |s: &Stats| s.strands as f64;
-    let curve = |name: &str, y: &dyn Fn(&Stats) -> f64| Curve {
-        name: name.into(),
-        points: measured.iter().map(|(_, s, _)| [strands(s), y(s)]).collect(),
+    let curve = |name: &str, y: &dyn Fn(&Stats) -> f64| {
+        Curve::new(name, measured.iter().map(|(_, s, _)| [strands(s), y(s)]).collect())
     };
     let ends = |y: f64| {
         let at = |i: usize| measured.get(i).map_or(1.0, |(_, s, _)| strands(s));
         vec![[at(0), y], [at(measured.len().saturating_sub(1)), y]]
     };
-    let ms = |step: u32| move |s: &Stats| time(s, &[step]).unwrap_or(f64::NAN);
-    content.plots.push((
-        "time".into(),
+    let ms = |step: u32| move |s: &Stats| steps_ms(s, &[step]).unwrap_or(f64::NAN);
+    content.plot(
+        "time",
         Plot {
             caption: "Time of the steps against the number of guard hairs, no undercoat".into(),
             x: "guard hairs".into(),
             y: "ms".into(),
             log: [true, true],
             curves: vec![
-                Curve {
-                    name: "hairs: generate, rasterise, blend (3, 6, 7)".into(),
-                    points: measured.iter().map(|(_, s, ms)| [strands(s), *ms]).collect(),
-                },
+                Curve::new(
+                    "hairs: generate, rasterise, blend (3, 6, 7)",
+                    measured.iter().map(|(_, s, ms)| [strands(s), *ms]).collect(),
+                ),
                 curve("3 generate", &ms(3)),
                 curve("6 rasterise", &ms(6)),
                 curve("7 blend", &ms(7)),
-                Curve { name: "undercoat as a volume, no hairs (4, 7)".into(), points: ends(march) },
+                Curve::new("undercoat as a volume, no hairs (4, 7)", ends(march)),
             ],
         },
-    ));
-    content.plots.push((
-        "memory".into(),
+    );
+    content.plot(
+        "memory",
         Plot {
             caption: "Memory of hairs and fragments".into(),
             x: "guard hairs".into(),
             y: "MiB".into(),
             log: [true, true],
             curves: vec![
-                curve("strand geometry (3)", &|s| mebibytes(s, 3)),
-                curve("all fragments of the picture", &|s| {
-                    (s.fragments * FRAGMENT_BYTES) as f64 / 1_048_576.0
-                }),
-                curve("most at once", &|s| s.gpu_peak_bytes as f64 / 1_048_576.0),
+                curve("strand geometry (3)", &|s| strand_mebibytes(s)),
+                curve("all fragments of the picture", &|s| mebibytes(s.fragments * FRAGMENT_BYTES)),
+                curve("most at once", &|s| mebibytes(s.gpu_peak_bytes)),
             ],
         },
-    ));
-    content.table(&Table {
-        caption: "Guard hairs alone:".into(),
-        head: [
-            "",
-            "guard hairs",
-            "steps 3, 6, 7, ms",
-            "µs a hair",
-            "times the first",
-            "fragments a hair",
-            "tiles",
+    );
+    let head =
+        ["", "guard hairs", "steps 3, 6, 7, ms", "µs a hair", "times the first", "fragments a hair", "tiles"];
+    let row = |(label, s, ms): &(String, Stats, f64)| {
+        vec![
+            label.clone(),
+            s.strands.to_string(),
+            format!("{ms:.1}"),
+            number(1e3 * ms / strands(s)),
+            format!("{:.2}", ms / measured[0].2),
+            format!("{:.1}", s.fragments as f64 / strands(s)),
+            s.tiles.to_string(),
         ]
-        .map(String::from)
-        .into(),
-        rows: measured
-            .iter()
-            .map(|(label, s, ms)| {
-                vec![
-                    label.clone(),
-                    s.strands.to_string(),
-                    format!("{ms:.1}"),
-                    number(1e3 * ms / strands(s)),
-                    format!("{:.2}", ms / measured[0].2),
-                    format!("{:.1}", s.fragments as f64 / strands(s)),
-                    s.tiles.to_string(),
-                ]
-            })
-            .collect(),
-    });
+    };
+    content.table(&Table::new("Guard hairs alone:", &head, measured.iter().map(row).collect()));
     content.table(&exchange(&settings, &measured, march));
     Ok(content)
 }
 
-/// How many hairs cost as much as the volume: the paper's comparison.
+/// The number of hairs that cost as much as the volume, which the paper also compares.
 fn exchange(settings: &Settings, measured: &[(String, Stats, f64)], march: f64) -> Table {
     // Time of one more hair, from the ends of the curve.
     let slope = match (measured.first(), measured.last()) {
@@ -125,25 +108,19 @@ fn exchange(settings: &Settings, measured: &[(String, Stats, f64)], march: f64) 
     let line = |what: &str, ours: f64, paper: Option<f64>| {
         vec![what.to_owned(), format!("{ours:.0}"), paper.map_or(String::new(), |p| format!("{p:.0}"))]
     };
-    // Step 4 of the paper's table for the cylinder, and its hairs, which that time would double.
+    // [Andersen2016] table 1: step 4 of the cylinder, and its 82,432 hairs, which the same time would double.
     let paper_march = paper::column("cylinder").map(|c| c.ms[3]);
     let bought = march / slope;
-    Table {
-        caption: "What the time of the undercoat would buy:".into(),
-        head: ["", "here", "paper"].map(String::from).into(),
-        rows: vec![
-            line("time of the undercoat as a volume, ms", march, paper_march),
-            line("hairs that the same time would add", bought, Some(82_432.0)),
-            line("undercoat hairs that the volume stands for", settings.undercoat, Some(3.8e6)),
-            line("times as many as could be bought", settings.undercoat / bought, Some(3.8e6 / 82_432.0)),
-        ],
-    }
+    let rows = vec![
+        line("time of the undercoat as a volume, ms", march, paper_march),
+        line("hairs that the same time would add", bought, Some(82_432.0)),
+        line("undercoat hairs that the volume stands for", settings.undercoat, Some(3.8e6)),
+        line("times as many as could be bought", settings.undercoat / bought, Some(3.8e6 / 82_432.0)),
+    ];
+    Table::new("What the time of the undercoat would buy:", &["", "here", "paper"], rows)
 }
 
-fn time(stats: &Stats, chosen: &[u32]) -> Option<f64> {
-    stats.steps.iter().filter(|s| chosen.contains(&s.step)).map(|s| s.ms).sum()
-}
-
-fn mebibytes(stats: &Stats, step: u32) -> f64 {
-    stats.steps.iter().find(|s| s.step == step).map_or(f64::NAN, |s| s.bytes as f64 / 1_048_576.0)
+/// MiB of the buffers of step 3.
+fn strand_mebibytes(stats: &Stats) -> f64 {
+    stats.steps.iter().find(|s| s.step == 3).map_or(f64::NAN, |s| mebibytes(s.bytes))
 }

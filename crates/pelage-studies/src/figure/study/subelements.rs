@@ -1,10 +1,9 @@
-//! The subelements of a prism as bodies, for the studies that draw them or intersect them. Their numbers are those that the renderer's
-//! own functions give.
+//! The subelements of a prism as bodies, for the studies that draw or intersect them. The renderer's own functions give their numbers.
 
 use glam::Vec3;
 use pelage_fur::shell::{Place, subelement};
 
-/// Barycentric corners of the `4^d` cells of a triangle that is subdivided `d` times, by their number.
+/// Barycentric corners of the `4^d` cells of a triangle that is subdivided `d` times, by number.
 pub(super) fn cells(d: u32) -> Vec<[Vec3; 3]> {
     let n = 1i32 << d;
     let at = |a: i32, b: i32, c: i32| Vec3::new(a as f32, b as f32, c as f32) / n as f32;
@@ -25,7 +24,7 @@ pub(super) fn cells(d: u32) -> Vec<[Vec3; 3]> {
     cells
 }
 
-/// Corners of a subelement in space, cm: below, then above.
+/// Corners of a subelement in space, cm: first the lower, then the upper three.
 pub(super) fn corners(place: &Place, cell: &[Vec3; 3], layer: u32, layers: u32) -> [Vec3; 6] {
     let height = |l: u32| l as f32 / layers as f32;
     let [a, b, c] = *cell;
@@ -34,8 +33,8 @@ pub(super) fn corners(place: &Place, cell: &[Vec3; 3], layer: u32, layers: u32) 
     [at(low, a), at(low, b), at(low, c), at(high, a), at(high, b), at(high, c)]
 }
 
-/// The convex polygon in which a plane through `origin` cuts a body of six corners; empty where it misses. The body's slightly
-/// bent walls count as flat.
+/// The convex polygon in which a plane through `origin` cuts a body of six corners; empty if it misses. The slightly curved walls of the
+/// body count as flat.
 pub(super) fn cut(corners: &[Vec3; 6], origin: Vec3, normal: Vec3) -> Vec<Vec3> {
     const EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
     let side = corners.map(|p| (p - origin).dot(normal));
@@ -67,7 +66,7 @@ mod tests {
             let whole = (Vec3::Y - Vec3::X).cross(Vec3::Z - Vec3::X).length();
             for (id, cell) in cells.iter().enumerate() {
                 assert!((area(cell) * cells.len() as f32 / whole - 1.0).abs() < 1e-3, "d = {d}, id {id}");
-                // Points near the corners too, not only the middle by which the cell was found.
+                // Also near the corners, not only at the centroid by which the cell was numbered.
                 for k in 0..3 {
                     let middle = (cell[0] + cell[1] + cell[2]) / 3.0;
                     let near = middle.lerp(cell[k], 0.9);

@@ -1,12 +1,11 @@
-//! What hair textures take in memory, raw, compressed and as a single layer, and what fur looks like with each.
+//! Memory of hair textures, raw, compressed and as a single layer, and fur rendered with each.
 
 use super::super::{FigureContent, FigureContext};
 use crate::report::{Table, number};
 use glam::Vec4;
 use pelage_core::{Error, Result};
-use pelage_shells::bake;
 use pelage_shells::bake::ktx2::Encoding;
-use pelage_shells::bake::{Format, FurTextures, Texture, WriteOptions, compress, memory};
+use pelage_shells::bake::{self, Format, FurTextures, Texture, WriteOptions, compress, memory};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -33,15 +32,12 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
             row.paper.clone().unwrap_or_else(|| "-".into()),
         ]
     };
+    let caption = format!(
+        "{} layers of {} x {} texels, a fin of {} x {}.",
+        m.layers, m.resolution[0], m.resolution[1], m.fin_resolution[0], m.fin_resolution[1]
+    );
     let head = ["textures", "bytes, finest level", "bytes with mips", "of the first", "paper"];
-    content.table(&Table {
-        caption: format!(
-            "{} layers of {} x {} texels, a fin of {} x {}.",
-            m.layers, m.resolution[0], m.resolution[1], m.fin_resolution[0], m.fin_resolution[1]
-        ),
-        head: head.map(String::from).to_vec(),
-        rows: rows.iter().map(cells).collect(),
-    });
+    content.table(&Table::new(caption, &head, rows.iter().map(cells).collect()));
     for row in &rows {
         content.value(&row.what, row.bytes_with_mips as f64, 0.0);
     }
@@ -74,14 +70,14 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         rows.push(vec![label.to_owned(), psnr, format!("{change:+.2} %")]);
         content.value(&format!("{label}: mean coverage of the layers"), coverage(&stored), 1e-3);
     }
-    let head = ["stored as", "PSNR, dB", "mean coverage of the layers, change"].map(String::from).to_vec();
+    let head = ["stored as", "PSNR, dB", "mean coverage of the layers, change"];
     let caption =
         format!("What storing does to the hair; mean coverage is {} as baked.", number(coverage(&textures)));
-    content.table(&Table { caption, head, rows });
+    content.table(&Table::new(caption, &head, rows));
     Ok(content)
 }
 
-/// Textures as they come out of blocks or bytes, and the layers' peak signal-to-noise ratio against bytes.
+/// Textures after encoding and decoding, and the peak signal-to-noise ratio of the layers against their RGBA8 values, dB.
 fn coded(
     textures: &FurTextures,
     encoding: Encoding,
@@ -106,7 +102,7 @@ fn coded(
     Ok((stored, Some(compress::psnr(&before, &after))))
 }
 
-/// The innermost layer in place of all, in their mean colour, fading out evenly from the skin.
+/// Textures whose layers are all the innermost one, in the mean colour of all, with an alpha that falls linearly from the skin.
 // [Lengyel2001] sec. 4: a single image with an alpha ramp
 fn one_layer(textures: &FurTextures) -> FurTextures {
     let count = textures.layers.len() as f32;
@@ -133,7 +129,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_ramp_takes_half_of_upright_hair() {
+    fn a_ramp_reduces_the_coverage_of_upright_hair() {
         let texels = vec![[0.2, 0.2, 0.2, 0.5]; 16];
         let layer = Texture { width: 4, height: 4, texels };
         let scene = pelage_core::Scene::default();
@@ -159,7 +155,7 @@ mod tests {
             fin_guard: Texture::default(),
             manifest,
         };
-        // 1, 3/4, 1/2 and 1/4 of it.
+        // The mean of 1, 3/4, 1/2 and 1/4.
         let ramp = one_layer(&textures);
         assert!((coverage(&ramp) / coverage(&textures) - 0.625).abs() < 1e-6);
     }

@@ -1,4 +1,4 @@
-//! Times and memory of the steps beside those of the paper's Table 1, as `pelage bench` measures them.
+//! Times and memory of the steps, measured like those of `pelage bench`, beside the paper's Table 1.
 
 use super::{FigureContent, FigureContext};
 use crate::bench;
@@ -12,7 +12,7 @@ struct Settings {
     scenes: Vec<String>,
     /// Image sizes.
     sizes: Vec<[u32; 2]>,
-    /// Renderings of each.
+    /// Renderings of each scene at each size.
     runs: u32,
 }
 
@@ -27,7 +27,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let mut content = FigureContent::default();
     let report = bench::measure(&options, &mut |part| {
         content.text += part;
-        context.tell(part.lines().find(|line| !line.is_empty()).unwrap_or_default())
+        context.report(part.lines().find(|line| !line.is_empty()).unwrap_or_default())
     })?;
     for column in &report.table {
         let of = |what: &str| format!("{}, {what}", column.scene);

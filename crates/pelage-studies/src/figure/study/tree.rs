@@ -1,14 +1,14 @@
-//! The march against finding subelements through a tree of boxes, as the paper compares its march with a binary space partition.
+//! The march against finding subelements with a tree of bounding boxes, as Andersen et al. 2016 compare their march with a binary
+//! space partition.
 
-use super::super::FigureContext;
-use super::super::content::FigureContent;
 use super::super::probe::{self, Probe};
+use super::super::{FigureContent, FigureContext};
 use super::boxes::{Piece, Start, Tree};
 use crate::bench::{Times, repeat};
 use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use glam::Vec3;
-use pelage_core::{Error, Result, Skin, World};
+use pelage_core::{Result, Skin, World};
 use pelage_fur::shell::Place;
 use pelage_fur::undercoat::extinction;
 use pelage_fur::view::sample_ray;
@@ -24,9 +24,9 @@ struct Settings {
     scene: String,
     /// Triangles of the skin within this distance of the camera's target are kept, cm.
     patch: f32,
-    /// Levels are 0 to this one.
+    /// Deepest subdivision level; all from 0 are measured.
     deepest: u32,
-    /// Rays that are marched on the CPU.
+    /// Number of rays on the CPU.
     rays: usize,
     /// Repetitions on the CPU, of which the fastest counts.
     runs: u32,
@@ -34,14 +34,14 @@ struct Settings {
     renderings: u32,
 }
 
-/// What a way found, over all rays.
+/// Results of a method over all rays.
 #[derive(Default)]
 struct Outcome {
     /// Optical depth of each ray.
     depths: Vec<f32>,
-    /// Subelements or steps that were shaded.
+    /// Number of subelements or steps that were shaded.
     pieces: usize,
-    /// Fastest run, µs a ray.
+    /// Fastest run, µs per ray.
     micros: f64,
 }
 
@@ -50,14 +50,13 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let (mut world, _) = context.load(&settings.scene, &[])?;
     world.skin = patch(&world.skin, Vec3::from(world.scene.camera.target), settings.patch);
     if world.skin.triangles.is_empty() || settings.deepest > 6 {
-        let words = "the patch holds no triangle, or deepest is more than 6";
-        return Err(Error::fault(context.folder.join("figure.toml"), words));
+        return Err(context.fault("the patch holds no triangle, or deepest is more than 6"));
     }
     let mut content = FigureContent::default();
     let mut levels = Vec::new();
     for d in 0..=settings.deepest {
         let level = Level::measure(context, &settings, &mut world, d)?;
-        context.tell(&format!("d = {d}: {} subelements", level.subelements))?;
+        context.report(&format!("d = {d}: {} subelements", level.subelements))?;
         levels.push(level);
     }
     for l in &levels {
@@ -72,13 +71,12 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         content.value(&name("subelements a ray meets"), l.rays.pieces as f64 / l.count as f64, 0.5);
         content.value(&name("bytes of the tree"), l.tree_bytes as f64, 0.02 * l.tree_bytes as f64);
     }
-    let curve = |name: &str, y: &dyn Fn(&Level) -> f64| Curve {
-        name: name.into(),
-        points: levels.iter().map(|l| [f64::from(l.d), y(l)]).collect(),
+    let curve = |name: &str, y: &dyn Fn(&Level) -> f64| {
+        Curve::new(name, levels.iter().map(|l| [f64::from(l.d), y(l)]).collect())
     };
     let first = levels[0].march.micros;
-    content.plots.push((
-        "time".into(),
+    content.plot(
+        "time",
         Plot {
             caption: format!("Time of a ray, {} rays, one thread on the CPU", levels[0].count),
             x: "subdivisions d".into(),
@@ -89,14 +87,12 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
                 curve("tree, asked at each step of the march", &|l| l.points.micros),
                 curve("tree, all subelements that the ray meets", &|l| l.rays.micros),
                 curve("march on the GPU, the device as a whole", &|l| l.gpu_micros.unwrap_or(f64::NAN)),
-                curve("the paper's t (3 + 0.4 d), t our march at d = 0", &|l| {
-                    first * (3.0 + 0.4 * f64::from(l.d))
-                }),
+                curve("the paper's t (3 + 0.4 d), t our march at d = 0", &|l| first * papers_ratio(l.d)),
             ],
         },
-    ));
-    content.plots.push((
-        "memory".into(),
+    );
+    content.plot(
+        "memory",
         Plot {
             caption: format!(
                 "Memory for {} prisms of {} layers",
@@ -113,12 +109,18 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
                 curve("neighbours of the prisms, all that the march needs", &|l| l.neighbour_bytes as f64),
             ],
         },
-    ));
+    );
     content.table(&table(&levels));
     Ok(content)
 }
 
-/// Optical depths of march and other way, and their transmittances.
+/// Time with the paper's binary space partition by that of its march, at subdivision level `d`.
+// [Andersen2016]
+fn papers_ratio(d: u32) -> f64 {
+    3.0 + 0.4 * f64::from(d)
+}
+
+/// Optical depths by the march and by another method, and their transmittances.
 fn pairs<'a>(level: &'a Level, other: &'a Outcome) -> impl Iterator<Item = [[f64; 2]; 2]> + 'a {
     level.march.depths.iter().zip(&other.depths).map(|(a, b)| {
         let depths = [*a, *b].map(f64::from);
@@ -138,7 +140,7 @@ fn rms(level: &Level, other: &Outcome) -> [f64; 2] {
     [root(&|[[a, b], _]| (a - b) / a.max(1e-3)), root(&|[_, [a, b]]| a - b)]
 }
 
-/// The triangles with all corners near a point, as a skin of their own.
+/// A skin of the triangles whose corners are all within `radius` cm of a point.
 fn patch(skin: &Skin, centre: Vec3, radius: f32) -> Skin {
     let kept: Vec<usize> = (0..skin.triangles.len())
         .filter(|t| skin.corners(*t).iter().all(|p| p.distance(centre) < radius))
@@ -164,14 +166,14 @@ fn patch(skin: &Skin, centre: Vec3, radius: f32) -> Skin {
     part
 }
 
-/// All ways at one level.
+/// All methods at one level.
 struct Level {
     d: u32,
     layers: u32,
     count: usize,
     subelements: u64,
     march: Outcome,
-    /// Time of looking up medium and light at the march's places.
+    /// Time to look up medium and light at the places of the march, µs per ray.
     shading: f64,
     points: Outcome,
     rays: Outcome,
@@ -191,13 +193,12 @@ impl Level {
             let probe = probe::probe(context.gpu, world, film, [0, 0], film)?;
             let starts = starts(&probe, settings.rays)?;
             if starts.0.is_empty() {
-                let words = "no ray enters the patch from above and ends on its skin";
-                return Err(Error::fault(context.folder.join("figure.toml"), words));
+                return Err(context.fault("no ray enters the patch from above and ends on its skin"));
             }
             let level = Self::on_the_cpu(&probe, settings, d, &starts.0);
             (starts, level)
         };
-        // The kernel that marches, alone: with undercoat only, resolving is marching.
+        // Only the kernel that marches: with undercoat alone, resolve does nothing else.
         let runs = repeat(context.gpu, world, settings.renderings)?;
         let times = Times::of(runs.iter().map(|stats| {
             stats.passes.iter().filter(|p| p.pass.starts_with("resolve")).map(|p| p.ms).sum::<Option<f64>>()
@@ -218,7 +219,7 @@ impl Level {
                 });
             }
         });
-        // The same places once more, without the work of finding them.
+        // Shades the same places again, without finding them.
         let known: Vec<Vec<Place>> = starts
             .iter()
             .map(|s| steps(&inputs, s.ray, s.prism, s.z, s.phase).0.iter().map(|s| s.place).collect())
@@ -265,8 +266,8 @@ impl Level {
     }
 }
 
-/// Entries of evenly spread pixels, and the number of all pixels with one. Kept are rays that enter once, through the top, and end on
-/// the skin: the patch's border is no part of the comparison.
+/// Entries of evenly spaced pixels, and the number of all pixels with one. Only rays that enter once, through the top, and end on the skin
+/// are kept, so that the border of the patch does not count.
 fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
     let (lists, bases) = (probe.lists()?, probe.bases()?);
     let from_above = |i: usize, z: f32, prism: u32| {
@@ -296,7 +297,7 @@ fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
     Ok((entered.iter().step_by(stride).map(start).collect(), all))
 }
 
-/// Runs one way over all rays: it finds the pieces, which are then shaded alike.
+/// Runs a method over all rays: `find` finds the pieces, which are shaded in the same way for all methods.
 fn run(
     inputs: &MarchInputs<'_>,
     starts: &[Start],
@@ -326,7 +327,7 @@ fn run(
                 opaque += sigma * (piece.to.min(start.z_base) - piece.from).max(0.0);
                 light += radiance * sigma;
             }
-            // What is computed is not to be left out by the compiler.
+            // Keeps the compiler from removing the computation.
             std::hint::black_box(light);
             outcome.depths.push(opaque);
         }
@@ -366,7 +367,7 @@ fn table(levels: &[Level]) -> Table {
             format!("{:.2}", l.points.micros / l.march.micros),
             format!("{:.1}", l.rays.micros),
             format!("{:.2}", l.rays.micros / l.march.micros),
-            format!("{:.1}", 3.0 + 0.4 * f64::from(l.d)),
+            format!("{:.1}", papers_ratio(l.d)),
             l.gpu_micros.map_or("n/a".into(), |t| format!("{t:.2}")),
             format!("{:.1}", l.shading),
             format!("{:.1}", (l.points.micros - l.shading) / (l.march.micros - l.shading).max(1e-3)),
@@ -378,9 +379,5 @@ fn table(levels: &[Level]) -> Table {
             format!("{:.2} %", 100.0 * rms(l, &l.rays)[0]),
         ]
     });
-    Table {
-        caption: "Times of a ray; ratios to the march:".into(),
-        head: head.map(String::from).into(),
-        rows: rows.collect(),
-    }
+    Table::new("Times of a ray; ratios to the march:", &head, rows.collect())
 }

@@ -1,7 +1,7 @@
-//! What virtual fragments cost and what they gain: error, time and memory against their number.
+//! Cost and benefit of virtual fragments: error, time and memory by their number.
 
-use super::super::FigureContext;
-use super::super::content::FigureContent;
+use super::super::{FigureContent, FigureContext};
+use crate::bench::steps_ms;
 use crate::compare::{Comparison, compare};
 use crate::report::plot::{Curve, Plot};
 use crate::report::{Table, number};
@@ -16,11 +16,11 @@ struct Settings {
     scene: String,
     /// Numbers of virtual fragments.
     numbers: Vec<u32>,
-    /// Which of them are shown as pictures, beside simplified and exact blending.
+    /// Those that are also shown as pictures, beside simplified and exact blending.
     shown: Vec<u32>,
 }
 
-/// A way to blend, measured.
+/// Measurements of a blending mode.
 struct Row {
     name: String,
     number: Option<u32>,
@@ -28,7 +28,8 @@ struct Row {
     stats: Stats,
 }
 
-/// The paper's step 4 at 3840 x 2274 with one shell fragment a pixel and with 30 virtual ones, bytes.
+/// Step 4 at 3840 x 2274 with one shell fragment a pixel and with 30 virtual fragments: number and bytes.
+// [Andersen2016]
 const PAPER: [(f64, f64); 2] = [(1.0, 0.2e9), (30.0, 7.8e9)];
 const PAPER_PIXELS: f64 = 3840.0 * 2274.0;
 
@@ -52,15 +53,15 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     content.images.push(simplified);
     for x in &settings.numbers {
         let set = ["render.blend=virtual".into(), format!("render.virtual_fragments={x}")];
-        let shot = render_panel(&format!("virtual, x = {x}"), &set)?;
+        let image = render_panel(&format!("virtual, x = {x}"), &set)?;
         rows.push(Row {
             name: format!("virtual, x = {x}"),
             number: Some(*x),
-            error: compare(&shot.film, &exact.film)?,
-            stats: shot.stats.clone().unwrap_or_default(),
+            error: compare(&image.film, &exact.film)?,
+            stats: image.stats.clone().unwrap_or_default(),
         });
         if settings.shown.contains(x) {
-            content.images.push(shot);
+            content.images.push(image);
         }
     }
     let reference = exact.stats.clone().unwrap_or_default();
@@ -79,10 +80,10 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
 
 /// Time of the steps that blending changes, ms.
 fn time(stats: &Stats) -> f64 {
-    stats.steps.iter().filter(|s| [4, 6, 7].contains(&s.step)).map(|s| s.ms.unwrap_or(f64::NAN)).sum()
+    steps_ms(stats, &[4, 6, 7]).unwrap_or(f64::NAN)
 }
 
-/// Fragments of all kinds a sample.
+/// Fragments of all kinds per sample.
 fn fragments(stats: &Stats) -> f64 {
     stats.fragments as f64 / samples(stats)
 }
@@ -94,16 +95,16 @@ fn samples(stats: &Stats) -> f64 {
 fn plots(content: &mut FigureContent, rows: &[Row], exact: &Stats) {
     let of = |name: &str, y: &dyn Fn(&Row) -> f64| {
         let points = rows.iter().filter_map(|r| Some([f64::from(r.number?), y(r)])).collect();
-        Curve { name: name.into(), points }
+        Curve::new(name, points)
     };
     let all: Vec<f64> = rows.iter().filter_map(|r| r.number.map(f64::from)).collect();
     let (first, last) = (all.first().copied().unwrap_or(1.0), all.last().copied().unwrap_or(1.0));
-    let level = |name: &str, y: f64| Curve { name: name.into(), points: vec![[first, y], [last, y]] };
+    let level = |name: &str, y: f64| Curve::new(name, vec![[first, y], [last, y]]);
     let simplified = rows.iter().find(|r| r.number.is_none());
     let by_simplified = |f: &dyn Fn(&Row) -> f64| simplified.map_or(f64::NAN, f);
     let x = "virtual fragments x";
-    content.plots.push((
-        "error".into(),
+    content.plot(
+        "error",
         Plot {
             caption: "Error against exact blending".into(),
             x: x.into(),
@@ -116,9 +117,9 @@ fn plots(content: &mut FigureContent, rows: &[Row], exact: &Stats) {
                 level("simplified: RMSE of linear light", by_simplified(&|r| r.error.all.rmse)),
             ],
         },
-    ));
-    content.plots.push((
-        "time".into(),
+    );
+    content.plot(
+        "time",
         Plot {
             caption: "Time of march, hairs and blending (steps 4, 6 and 7)".into(),
             x: x.into(),
@@ -130,10 +131,10 @@ fn plots(content: &mut FigureContent, rows: &[Row], exact: &Stats) {
                 level("exact", time(exact)),
             ],
         },
-    ));
+    );
     let bytes = |s: &Stats| fragments(s) * FRAGMENT_BYTES as f64;
-    content.plots.push((
-        "memory".into(),
+    content.plot(
+        "memory",
         Plot {
             caption: "Bytes of fragments a sample".into(),
             x: x.into(),
@@ -143,13 +144,13 @@ fn plots(content: &mut FigureContent, rows: &[Row], exact: &Stats) {
                 of("virtual, all fragments", &|r| bytes(&r.stats)),
                 level("simplified, all fragments", by_simplified(&|r| bytes(&r.stats))),
                 level("exact, all fragments", bytes(exact)),
-                Curve {
-                    name: "paper, shell fragments alone (step 4)".into(),
-                    points: PAPER.map(|(x, bytes)| [x, bytes / PAPER_PIXELS]).into(),
-                },
+                Curve::new(
+                    "paper, shell fragments alone (step 4)",
+                    PAPER.map(|(x, bytes)| [x, bytes / PAPER_PIXELS]).into(),
+                ),
             ],
         },
-    ));
+    );
 }
 
 fn table(rows: &[Row], exact: &Stats) -> Table {
@@ -178,9 +179,7 @@ fn table(rows: &[Row], exact: &Stats) -> Table {
     lines.push(line("exact", None, exact));
     lines.push(["paper, x = 1", "", "", "", "", "", "0.20 (shell fragments alone)"].map(String::from).into());
     lines.push(["paper, x = 30", "", "", "", "", "", "7.8 (shell fragments alone)"].map(String::from).into());
-    Table {
-        caption: "Against exact blending; memory is that of all fragments of this view, scaled to the paper's pixels:".into(),
-        head: head.map(String::from).into(),
-        rows: lines,
-    }
+    let caption =
+        "Against exact blending; memory is that of all fragments of this view, scaled to the paper's pixels:";
+    Table::new(caption, &head, lines)
 }
