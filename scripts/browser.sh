@@ -1,4 +1,5 @@
-# Sourced after setup.sh by scripts that show a page in Chromium: installs Node.js, Chromium and npm packages where they are missing.
+# Sourced after setup.sh by scripts that show a page in Chromium: installs Node.js, Chromium and npm
+# packages if they are missing.
 
 # need_packages FOLDER
 need_packages() {

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Downloads the assets that scenes and figures name, from pinned public addresses, and checks their SHA-256 sums.
-# Files that are there and right are left alone; a file appears whole and checked or not at all.
+# Downloads the assets that scenes and figures name, from pinned public addresses, and checks their
+# SHA-256 sums. Files that are present and correct are left alone; a new file appears complete and
+# checked, or not at all.
 set -eu
 
 usage() {
@@ -13,11 +14,12 @@ Downloads the named files, or all of them, into FOLDER (default: assets/ of the 
   NAME      a file as --list shows it, such as meshes/stanford-bunny.obj, or a folder, such as env
 
 Needs curl or wget, sha256sum or shasum, and unzip for the meshes called spot.
-Exit code: 0 all files are there and right; 1 some are not; 2 wrong usage.
+Exit code: 0 all files are present and correct; 1 some are not; 2 wrong usage.
 END
 }
 
-# Sum, file, address below the base (after # a member of the zip archive), licence as the origin states it.
+# Sum, file, address relative to the base (after # a member of the zip archive), licence as the
+# origin states it.
 base=https://raw.githubusercontent.com
 files() {
     cat <<'END'
@@ -102,7 +104,7 @@ get() {
             command -v unzip >/dev/null || { echo "fetch_assets: needs unzip for ${1##*/}" >&2; return 1; }
             archive=$temporary/$(echo "${1%%#*}" | tr / _)
             [ -f "$archive" ] || download "$base/${1%%#*}" "$archive" || { rm -f "$archive"; return 1; }
-            # The member may lie in a folder of the archive; unzip answers 11 where a pattern finds nothing.
+            # The member may be in a folder of the archive; unzip returns 11 if a pattern matches nothing.
             unzip -p -q "$archive" "${1##*#}" "*/${1##*#}" >"$2" 2>/dev/null || [ $? -eq 11 ] ;;
         *) download "$base/$1" "$2" ;;
     esac

@@ -1,5 +1,6 @@
 #!/bin/sh
-# Renders a scene: installs what is missing, builds the release binary, renders, says where the pictures are.
+# Renders a scene: installs what is missing, builds the release binary, renders, prints where the
+# pictures are.
 set -eu
 
 if [ $# -eq 0 ]; then
@@ -19,7 +20,7 @@ setup
 code=0
 "$pelage" render "$@" || code=$?
 
-# Also after an interrupt: then the part that is done has been written.
+# Also after an interrupt, which writes the finished part.
 case $code in
     0 | 130)
         before=

@@ -1,7 +1,8 @@
-# Sourced by render.sh and test.sh: makes sure that there are a Rust toolchain and a GPU adapter, and builds pelage.
+# Sourced by render.sh and test.sh: ensures that a Rust toolchain and a GPU adapter are present, and
+# builds pelage.
 #
-# Installs distribution packages only where something is missing and where it can (as root or with sudo); elsewhere it
-# says what to install. Sets `root`, the repository, and `pelage`, the binary.
+# Installs distribution packages only if something is missing and if it can (as root or with sudo);
+# otherwise it says what to install. Sets `root`, the repository, and `pelage`, the binary.
 
 root=$(CDPATH='' cd -- "$(dirname -- "$0")/.." && pwd)
 
@@ -14,7 +15,7 @@ fail() {
     exit 1
 }
 
-# Runs a command as root; fails where there is no way to.
+# Runs a command as root; fails if that is impossible.
 as_root() {
     if [ "$(id -u)" = 0 ]; then
         "$@"
@@ -67,18 +68,19 @@ need_rust() {
     command -v cc >/dev/null || install "no C compiler for linking" "gcc libc6-dev" "gcc" "gcc"
 }
 
-# Mesa's drivers complain without it.
+# Mesa's drivers print a warning without it.
 need_runtime_folder() {
     [ -z "${XDG_RUNTIME_DIR:-}" ] || return 0
     XDG_RUNTIME_DIR=$(mktemp -d)
     export XDG_RUNTIME_DIR
     trap 'rm -rf "$XDG_RUNTIME_DIR"' EXIT
-    # On an interrupt the running command ends in its own way, and this script after it.
+    # On an interrupt the running command shuts down first, then this script.
     trap : INT TERM
 }
 
 build() {
-    # cargo takes a relative folder from where it runs, which is the repository: for its configuration and toolchain.
+    # cargo resolves a relative folder against its working directory, which is the repository
+    # (for its configuration and toolchain).
     pelage=${CARGO_TARGET_DIR:-$root/target}/release/pelage
     case $pelage in
         /*) ;;
@@ -90,7 +92,7 @@ build() {
     (cd "$root" && cargo build --release --locked $quiet) || fail "the build failed"
 }
 
-# Without an adapter that suffices, Mesa's software adapter is installed.
+# Installs Mesa's software adapter if no sufficient adapter is found.
 need_adapter() {
     "$pelage" devices >/dev/null 2>&1 && return 0
     if [ "$(uname)" != Linux ]; then

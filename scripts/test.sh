@@ -4,15 +4,15 @@
 #   scripts/test.sh             everything
 #   scripts/test.sh FILTER...   only the tests whose names contain a filter, without the other checks
 #
-# Tests that need downloaded meshes and images find them in PELAGE_ASSETS or, where scripts/fetch_assets.sh put them, in
-# assets/; without them they say that they are skipped.
+# Tests that need downloaded meshes and images look in PELAGE_ASSETS or in assets/, where
+# scripts/fetch_assets.sh puts them; without them they print that they are skipped.
 set -eu
 
 . "$(dirname -- "$0")/setup.sh"
 cd "$root"
 begin=$(date +%s)
 
-# Runs a step; what it prints is shown where it fails, and its notes always.
+# Runs a step; its output is shown only if it fails, its notes always.
 step() {
     name=$1
     shift
@@ -40,7 +40,7 @@ summary() {
         }' "$log"
 }
 
-# A part of the toolchain that a minimal installation lacks.
+# A component that a minimal toolchain lacks.
 need_component() {
     cargo "$1" --version >/dev/null 2>&1 && return 0
     command -v rustup >/dev/null && rustup component add "$2" >/dev/null 2>&1 && return 0

@@ -1,8 +1,9 @@
 #!/bin/sh
-# Opens the report of `pelage figure` in headless Chromium and checks it: nothing on the console, every picture and link, every slider.
-# Pictures of each figure's part and figures.pdf go to out/web_report. Installs Node.js, Chromium and an npm package where missing.
+# Opens the report of `pelage figure` in headless Chromium and checks it: an empty console, every
+# picture and link, every slider. Pictures of each figure's part and figures.pdf go to
+# out/web_report. Installs Node.js, Chromium and an npm package if they are missing.
 #
-#   scripts/web_report.sh                    paper_figures/index.html, made small first where there is none
+#   scripts/web_report.sh                    paper_figures/index.html, made small first if it is missing
 #   scripts/web_report.sh FOLDER/index.html
 set -eu
 

@@ -1,6 +1,7 @@
 #!/bin/sh
-# Bakes web/shells/test.toml, shows it on the page of web/shells in headless Chromium, and compares that picture with
-# `pelage render --fur shells` of the same view. Installs Node.js, Chromium and the npm packages where they are missing.
+# Bakes web/shells/test.toml, shows it on the page of web/shells in headless Chromium, and compares
+# that picture with `pelage render --fur shells` of the same view. Installs Node.js, Chromium and the
+# npm packages if they are missing.
 #
 #   scripts/web_shells.sh                 pictures go to out/web_shells
 #   CHROMIUM=/path/to/chrome scripts/web_shells.sh
@@ -9,7 +10,7 @@ set -eu
 . "$(dirname -- "$0")/setup.sh"
 . "$(dirname -- "$0")/browser.sh"
 
-# Most that the pictures may differ: the page filters with four samples a pixel and lights the vertices.
+# Largest difference allowed: the page filters with four samples per pixel and lights the vertices.
 most_flip=${MOST_FLIP:-0.02}
 
 setup

@@ -1,9 +1,10 @@
 #!/bin/sh
-# Renders a scene with Mitsuba from a throw-away environment and compares it with this program's ground truth: first lit from the side,
-# then from above and seen from another place; each with one scattering and with all of them. Ends with two comparisons that have to fail.
-#   scripts/witness/compare.sh, or with the path of another scene
-# MITSUBA names a Python that has mitsuba and numpy; without it they are downloaded (about 60 MB). Takes a few minutes. Not part of the
-# tests. Exit code 1 where a limit is passed.
+# Renders a scene with Mitsuba from a throw-away environment and compares it with pelage's ground
+# truth: first lit from the side, then lit from above and seen from another place; each with single
+# scattering and with all orders. Ends with two comparisons that must fail.
+#   scripts/witness/compare.sh, optionally with the path of another scene
+# MITSUBA names a Python that has mitsuba and numpy; without it they are downloaded (about 60 MB).
+# Takes a few minutes. Not part of the tests. Exit code 1 if a limit is exceeded.
 set -eu
 cd "$(dirname "$0")/../.."
 scene=${1:-scenes/witness.toml}
@@ -39,7 +40,8 @@ prepare side
 prepare above -D lights.0.direction=[0.3,1,0.5] -D camera.eye=[1.2,2.4,3.6]
 for light in side above; do
     compare $light single --spp 256 || failed=1
-    # Rays that leave from the axis here and from the surface there tell in how often light scatters again.
+    # Rays leave from the axis here and from the surface there, which affects how often light
+    # scatters again.
     compare $light path --spp 256 --depth 64 --radiance 0.05 || failed=1
 done
 for wrong in --brighter=1.02 --tilt=-2; do

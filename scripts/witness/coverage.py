@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Mean opacity of exported guard hairs by random rays, beside that of the image: an independent witness.
+"""Compares the mean opacity of exported guard hairs by random rays with that of the image.
 
     pelage export scenes/cylinder.toml --strands pelt.hair --mesh pelt.obj
     pelage render scenes/cylinder.toml --fur explicit -D film.background=transparent -D film.filter=box -o pelt.exr
     scripts/witness/coverage.py pelt.exr pelt.hair --mesh pelt.obj
 
-Every strand segment is projected as the camera-facing ribbon of its cone. A random point of the film meets the ribbons that cover it,
-and its opacity is 1 - prod(1 - opacity of the hair there). Pixels within three pixels of the mesh are left out, so that no hidden
-hair counts and no bare skin. The camera comes from the scene that the EXR file carries. Needs numpy only, and shares no code
-with the program. Exit code 1 where the means differ by more than --tolerance (1 %).
+An independent check. Every strand segment is projected as the camera-facing ribbon of its cone. The
+opacity of a random point of the film is 1 - prod(1 - opacity of each hair that covers it). Pixels
+within three pixels of the mesh are left out, so that hidden hair and bare skin do not count. The
+camera comes from the scene stored in the EXR file. Needs numpy only, and shares no code with pelage.
+Exit code 1 if the means differ by more than --tolerance (1 %).
 """
 
 import argparse

@@ -1,23 +1,29 @@
 #!/usr/bin/env python3
-"""Renders an exported scene with Mitsuba 3 and compares it with a picture of this program: an independent witness of geometry, camera,
-light and fibre scattering.
+"""Renders an exported scene with Mitsuba 3 and compares it with a picture of pelage.
+
+An independent check of geometry, camera, light and fibre scattering.
 
     pip install mitsuba==3.9.1
     pelage export scenes/witness.toml --to mitsuba -o exported
     pelage reference scenes/witness.toml -o ours.exr --integrator single --spp 256
     scripts/witness/mitsuba_compare.py exported/scene.xml ours.exr
 
-scripts/witness/compare.sh does all of it. Compared are means over the picture, and over blocks of pixels where enough is covered: hair is too
-fine for single pixels. Coverage is alpha; radiance is R, G, B with one scattering (max_depth 2). Exit code 1 where a mean differs by more
-than the tolerances, which hold for Chiang's hair model; scenes with another model are compared in coverage only (--coverage-only).
+scripts/witness/compare.sh does all of it. It compares means over the picture, and over blocks of
+pixels with enough coverage: hair is too fine for single pixels. Coverage is alpha; radiance is R, G,
+B with single scattering (max_depth 2). Exit code 1 if a mean differs by more than the tolerances,
+which are for Chiang's hair model; scenes with another model are compared in coverage only
+(--coverage-only).
 
 What differs by definition:
-- Mitsuba's hair model takes the tangent on the surface, this program the axis. Where hairs taper, Mitsuba's frame is turned by the slope of
-  the radius: by 0.4 degrees in the mean and up to 2 in hairs of about 0.8 cm that taper from 200 to 100 um, with which single scattering in
-  scenes/witness.toml was 4 % off. That scene has hairs of one diameter.
-- This program's scattered rays start at a hair's axis, Mitsuba's at the point that was hit. Shadows within a hair are shifted by up to a
-  radius: pixels differ, and blocks by some per cent however many samples are taken; means do not.
-- Mitsuba's cones are open at their ends and seen from outside only: it covers less, by the ends.
+- Mitsuba's hair model uses the tangent on the surface, pelage the axis. Where hairs taper, Mitsuba's
+  frame is rotated by the slope of the radius: by 0.4 degrees on average and up to 2 for hairs of
+  about 0.8 cm that taper from 200 to 100 um, with which single scattering in scenes/witness.toml was
+  4 % off. That scene has hairs of constant diameter.
+- pelage's scattered rays start at a hair's axis, Mitsuba's at the hit point. Shadows within a hair
+  are shifted by up to a radius: pixels differ, and blocks by a few per cent for any number of
+  samples; means do not.
+- Mitsuba's cones are open at their ends and visible from outside only: its coverage is lower, by the
+  ends.
 """
 
 import argparse
@@ -45,7 +51,7 @@ def planes(path):
 
 
 def render(mi, args):
-    """Pictures (pass, row, column, R G B A) of the witness, each of PASS samples a pixel with random numbers of its own."""
+    """Pictures (pass, row, column, R G B A) of the witness; each has PASS samples per pixel and its own seed."""
     scene = mi.load_file(args.scene, spp=str(PASS), max_depth=str(args.depth))
     if args.tilt is not None:
         parameters = mi.traverse(scene)
@@ -61,19 +67,19 @@ def render(mi, args):
 
 
 def blocks(image, size):
-    """Means over squares of pixels; what does not fill a square is left out."""
+    """Means over squares of pixels; incomplete squares are left out."""
     height, width = (n // size * size for n in image.shape[:2])
     return image[:height, :width].reshape(height // size, size, width // size, size, -1).mean((1, 3))
 
 
 def noise(halves):
-    """Standard errors of the means (R G B A) of a picture, from `n` independent pictures whose mean it is."""
+    """Standard errors of the means (R G B A) of the mean of several independent pictures."""
     pixels = halves.shape[1] * halves.shape[2]
     return np.sqrt((halves.var(0, ddof=1) / len(halves)).sum((0, 1))) / pixels
 
 
 def compare(ours, witness, block):
-    """Relative differences of the means (R G B A), and the RMS of the blocks' relative differences where a third is covered."""
+    """Relative differences of the means (R G B A); RMS of those of blocks with a third covered."""
     means = [x.reshape(-1, 4).mean(0) for x in (ours, witness)]
     with np.errstate(divide="ignore", invalid="ignore"):
         difference = np.where(means[1] > 0, means[0] / means[1] - 1, np.where(means[0] > 0, np.inf, 0))

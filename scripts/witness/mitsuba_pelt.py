@@ -1,14 +1,15 @@
 #!/usr/bin/env python3
-"""Path-traces exported guard hairs with Mitsuba 3 and prints what that costs: a witness for speed and memory.
+"""Path-traces exported guard hairs with Mitsuba 3 and prints the time and memory that it takes.
 
     pip install mitsuba==3.9.1
     pelage export scenes/cylinder.toml --strands pelt.hair
     pelage check scenes/cylinder.toml > pelt.toml
     scripts/witness/mitsuba_pelt.py pelt.hair pelt.toml --spp 16
 
-The guard hairs alone (no undercoat, no skin), Chiang's hair model, at most 9 bounces, lights and camera of the scene. The curves are
-uniform cubic B-splines through the exported vertices: Mitsuba's linear curves are too bright on tapered hair. CPU seconds are user
-and system time of this process, all threads together; wall time depends on what else the machine does.
+Guard hairs alone (no undercoat, no skin), Chiang's hair model, at most 9 bounces, lights and camera
+of the scene. The curves are uniform cubic B-splines through the exported vertices: Mitsuba's linear
+curves are too bright on tapered hair. CPU seconds are user and system time of this process over all
+threads; wall time depends on the load of the machine.
 """
 
 import argparse

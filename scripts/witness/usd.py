@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Opens an exported scene.usda with OpenUSD, checks it and prints what it holds.
+"""Opens an exported scene.usda with OpenUSD, checks it and prints its contents.
 
     pip install usd-core
     pelage export scenes/witness.toml --to usd -o exported
     scripts/witness/usd.py exported/scene.usda
 
-Exit code 1 where the checker of OpenUSD complains or a prim's arrays do not fit each other.
+Exit code 1 if OpenUSD's checker reports an error or a prim's arrays do not match in size.
 """
 
 import sys
@@ -14,7 +14,7 @@ from pxr import Usd, UsdGeom, UsdLux, UsdUtils
 
 
 def check(path, stage):
-    """What OpenUSD's own checks find, in words."""
+    """The messages of OpenUSD's own checks."""
     if hasattr(UsdUtils, "ComplianceChecker"):
         checker = UsdUtils.ComplianceChecker()
         checker.CheckCompliance(path)
