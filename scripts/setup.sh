@@ -81,7 +81,10 @@ need_runtime_folder() {
 build() {
     # cargo resolves a relative folder against its working directory, which is the repository
     # (for its configuration and toolchain).
-    pelage=${CARGO_TARGET_DIR:-$root/target}/release/pelage
+    profile=${profile:-release}
+    folder=$profile
+    [ "$profile" != dev ] || folder=debug
+    pelage=${CARGO_TARGET_DIR:-$root/target}/$folder/pelage
     case $pelage in
         /*) ;;
         *) pelage=$root/$pelage ;;
@@ -89,7 +92,7 @@ build() {
     quiet=--quiet
     [ -x "$pelage" ] || quiet=
     # shellcheck disable=SC2086 # Empty, not an empty argument.
-    (cd "$root" && cargo build --release --locked $quiet) || fail "the build failed"
+    (cd "$root" && cargo build --profile "$profile" --locked $quiet) || fail "the build failed"
 }
 
 # Installs Mesa's software adapter if no sufficient adapter is found.

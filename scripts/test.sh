@@ -48,6 +48,8 @@ need_component() {
     return 1
 }
 
+# A few tests are run as in development: incremental, shaders read from the disk.
+[ $# -eq 0 ] || profile=dev
 say "building (the first time takes some minutes)"
 setup
 say "ok      build ($(($(date +%s) - begin)) s)"
@@ -56,21 +58,25 @@ say "ok      build ($(($(date +%s) - begin)) s)"
     say "note: PELAGE_ASSETS is not set and assets/ is empty (scripts/fetch_assets.sh): some tests will be skipped"
 
 if [ $# -gt 0 ]; then
-    cargo test --release --locked -- "$@"
+    if cargo nextest --version >/dev/null 2>&1; then
+        cargo nextest run --workspace --locked -- "$@"
+    else
+        cargo test --workspace --locked -- "$@"
+    fi
     exit
 fi
 
 if need_component fmt rustfmt; then
-    step "format" cargo fmt --check
+    step "format" cargo fmt --all --check
 fi
 if need_component clippy clippy; then
-    step "lints" cargo clippy --release --locked --all-targets --quiet -- -D warnings
+    step "lints" cargo clippy --workspace --release --locked --all-targets --quiet -- -D warnings
 fi
-RUSTDOCFLAGS="-D warnings" step "documentation" cargo doc --release --locked --no-deps --lib --quiet
+RUSTDOCFLAGS="-D warnings" step "documentation" cargo doc --workspace --release --locked --no-deps --lib --quiet
 if cargo nextest --version >/dev/null 2>&1; then
-    step "tests" cargo nextest run --release --locked --no-fail-fast --success-output final --hide-progress-bar
-    step "examples in the documentation" cargo test --release --locked --doc
+    step "tests" cargo nextest run --workspace --release --locked --no-fail-fast --success-output final --hide-progress-bar
+    step "examples in the documentation" cargo test --release --locked --doc --package pelage
 else
-    step "tests" cargo test --release --locked --no-fail-fast
+    step "tests" cargo test --workspace --release --locked --no-fail-fast
 fi
 say "all is well ($(($(date +%s) - begin)) s)"
