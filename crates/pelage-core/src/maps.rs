@@ -139,15 +139,7 @@ impl MapImage {
     /// The image at `uv`, repeated: u to the right, v up, so that v = 0 is the lower edge of the bottom row; texel
     /// centres lie at half texels, between them the four nearest are mixed.
     pub fn bilinear(&self, uv: Vec2) -> [f32; 4] {
-        let uv = uv - uv.floor();
-        let x = uv.x * self.width as f32 - 0.5;
-        let y = (1.0 - uv.y) * self.height as f32 - 0.5;
-        let (x0, y0) = (x.floor(), y.floor());
-        let (fx, fy) = (x - x0, y - y0);
-        let (i, j) = (x0 as i32, y0 as i32);
-        let top = self.texel(i, j) * (1.0 - fx) + self.texel(i + 1, j) * fx;
-        let bottom = self.texel(i, j + 1) * (1.0 - fx) + self.texel(i + 1, j + 1) * fx;
-        (top * (1.0 - fy) + bottom * fy).to_array()
+        bilinear([self.width, self.height], uv, |x, y| self.texel(x, y)).to_array()
     }
 
     /// The image at a place without uv: three lookups along the axes, at (y, z), (x, z) and (x, y), weighted by the
@@ -155,12 +147,7 @@ impl MapImage {
     /// [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the place in cm, `normal` need not be of unit length.
     pub fn triplanar(&self, position_cm: Vec3, normal: Vec3, scale: f32) -> [f32; 4] {
         let p = position_cm * (scale / TRIPLANAR_CM);
-        let n2 = normal * normal;
-        let n4 = n2 * n2;
-        let sum = n4.x + n4.y + n4.z;
-        let weight = if sum > 0.0 { n4 / sum } else { Vec3::Y };
-        let lookup = |u: f32, v: f32| Vec4::from_array(self.bilinear(Vec2::new(u, v)));
-        (lookup(p.y, p.z) * weight.x + lookup(p.x, p.z) * weight.y + lookup(p.x, p.y) * weight.z).to_array()
+        triplanar(p, normal, |uv| Vec4::from_array(self.bilinear(uv))).to_array()
     }
 
     /// A smaller image of at most [`MAX_SIDE`] a side whose texels are means over the (fractional) boxes they cover;
@@ -189,6 +176,29 @@ impl MapImage {
         }
         Self { name: self.name.clone(), width, height, texels, ..*self }
     }
+}
+
+/// Repeating bilinear lookup in an image of `size` texels: u to the right, v up, so that v = 0 is the lower edge of the bottom
+/// row. Texel centres lie at half texels. `texel` is asked for columns and rows up to one outside the image.
+pub fn bilinear(size: [u32; 2], uv: Vec2, texel: impl Fn(i32, i32) -> Vec4) -> Vec4 {
+    let fraction = uv - uv.floor();
+    let size = Vec2::new(size[0] as f32, size[1] as f32);
+    let at = Vec2::new(fraction.x, 1.0 - fraction.y) * size - 0.5;
+    let base = at.floor();
+    let f = at - base;
+    let (x, y) = (base.x as i32, base.y as i32);
+    let row = |y| texel(x, y).lerp(texel(x + 1, y), f.x);
+    row(y).lerp(row(y + 1), f.y)
+}
+
+/// Three lookups of `plane` along the axes, at (y, z), (x, z) and (x, y) of `p`, weighted by the fourth power of the normal's
+/// component along the axis.
+// [Geiss2007]
+pub fn triplanar(p: Vec3, normal: Vec3, plane: impl Fn(Vec2) -> Vec4) -> Vec4 {
+    let n2 = normal * normal;
+    let sum = n2.dot(n2);
+    let w = if sum > 0.0 { n2 * n2 / sum } else { Vec3::Y };
+    w.x * plane(Vec2::new(p.y, p.z)) + w.y * plane(Vec2::new(p.x, p.z)) + w.z * plane(Vec2::new(p.x, p.y))
 }
 
 /// For each of `to` even intervals of `from` texels: the texels it covers and their weights, which add up to 1.

@@ -4,6 +4,7 @@ use crate::layout::{Groom, Root};
 use crate::parameters::{Maps, Parameter, skin_point};
 use crate::random::{hash2, random};
 use crate::shell::Shell;
+use crate::strand_curve::{self, bezier, control_polygon, curl_and_frizz, leg_directions, rayleigh};
 use crate::strands::vertex;
 use glam::{IVec3, Vec3};
 use std::f32::consts::TAU;
@@ -49,13 +50,7 @@ fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
 
 /// Diameter at `s` (0 root, 1 tip), cm.
 pub fn diameter(groom: &Groom, s: f32) -> f32 {
-    let [root, widest, tip] = groom.diameter;
-    if s < groom.widest {
-        let x = s / groom.widest.max(1e-3);
-        return root + (widest - root) * (x * x * (3.0 - 2.0 * x));
-    }
-    let x = (s - groom.widest) / (1.0 - groom.widest).max(1e-3);
-    widest + (tip - widest) * x * x
+    strand_curve::diameter(groom.diameter, groom.widest, s)
 }
 
 /// The strand that grows from a root.
@@ -71,18 +66,12 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
     let length = maps.scalar(Parameter::GuardLength, &at) * (1.0 - groom.length_variation * random(seed, 0));
     let comb_direction = Vec3::from(groom.comb_direction);
     let combed = comb_direction - n * n.dot(comb_direction);
-    // Rayleigh distributed: the lean has a normal distribution along both axes.
-    let spread = groom.spread * (-2.0 * (1.0 - random(seed, 1)).ln()).sqrt();
+    let spread = groom.spread * rayleigh(random(seed, 1));
     let phi = TAU * random(seed, 2);
     let lean =
         combed * maps.scalar(Parameter::GuardComb, &at) + spread * (phi.cos() * side + phi.sin() * other);
-    let fall = Vec3::new(0.0, -groom.gravity, 0.0);
-    let directions = [n + 0.5 * lean, n + 0.9 * lean + 0.35 * fall, n + 1.25 * lean + fall];
-    let [e1, e2, e3] = directions.map(|e| e.normalize() * (length / 3.0));
-    let above = |p: Vec3| p - n * p.dot(n).min(0.0);
-    let p2 = e1 + e2;
-    // The third leg starts from the second before that is raised.
-    let control = [e1, above(p2), above(p2 + e3)];
+    let legs = leg_directions(n, lean, groom.gravity).map(|leg| leg * (length / 3.0));
+    let control = control_polygon(n, legs);
     let clump = maps.scalar(Parameter::GuardClump, &at);
     let pull = if clump > 0.0 {
         let offset = to_clump(groom, at.position);
@@ -108,16 +97,14 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
 impl Strand {
     /// Point at `s` (0 root, 1 tip), world, cm.
     pub fn point(&self, groom: &Groom, s: f32) -> Vec3 {
-        let r = 1.0 - s;
-        let [p1, p2, p3] = self.control;
-        let bezier = 3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3;
-        let phase = TAU * random(self.seed, 3);
-        let turn = phase + TAU * groom.curl_frequency * self.length * s;
-        let curl = (turn.cos() - phase.cos()) * self.side + (turn.sin() - phase.sin()) * self.other;
-        let wave = [(4, 1.0), (5, 1.37)]
-            .map(|(k, f)| TAU * random(self.seed, k) + TAU * groom.frizz_frequency * self.length * s * f);
-        let frizz = wave[0].sin() * self.side + wave[1].sin() * self.other;
-        self.root + bezier + self.pull * s * s + self.curl * s * curl + self.frizz * s * frizz
+        let frequencies = [groom.curl_frequency, groom.frizz_frequency];
+        let [curl, frizz] = curl_and_frizz(self.seed, self.length, frequencies, s)
+            .map(|across| across.x * self.side + across.y * self.other);
+        self.root
+            + bezier(self.control, s)
+            + self.pull * s * s
+            + self.curl * s * curl
+            + self.frizz * s * frizz
     }
 
     /// Packed vertices.

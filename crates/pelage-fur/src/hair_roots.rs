@@ -2,7 +2,7 @@
 
 use crate::layout::Root;
 use crate::parameters::{Maps, Parameter, skin_point};
-use crate::random::{hash2, random};
+use crate::random::{even_barycentric, hash2, r2, random};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3};
 
@@ -35,10 +35,7 @@ impl Roots<'_> {
     pub fn candidate(&self, prism: u32, k: u32) -> Vec3 {
         let seed = hash2(self.seed, prism);
         let start = Vec2::new(random(seed, 1), random(seed, 2));
-        let u = start + k as f32 * Vec2::new(0.754_877_7, 0.569_840_3);
-        let u = u - u.floor();
-        let r = u.x.sqrt();
-        Vec3::new(1.0 - r, r * (1.0 - u.y), r * u.y)
+        even_barycentric(r2(start, k))
     }
 
     /// Whether the density map lets the k-th candidate grow.

@@ -13,6 +13,7 @@ pub mod random;
 pub mod shell;
 pub mod shell_prisms;
 pub mod simplex;
+pub mod strand_curve;
 pub mod strands;
 pub mod surface;
 pub mod undercoat;

@@ -4,6 +4,7 @@ use crate::layout::Groom;
 use crate::shell::Shell;
 use glam::{Vec2, Vec3, Vec4};
 use half::f16;
+use pelage_core::maps::{TRIPLANAR_CM, bilinear, triplanar};
 
 /// Numbers of the parameters in [`Groom::parameters`].
 #[allow(missing_docs)]
@@ -80,24 +81,13 @@ impl Maps<'_> {
 
     /// Repeating bilinear lookup; v = 0 is the bottom row.
     fn bilinear(&self, parameter: Parameter, uv: Vec2) -> Vec4 {
-        let p = &self.groom.parameters[parameter as usize];
-        let size = Vec2::new(p.size[0] as f32, p.size[1] as f32);
-        let fraction = uv - uv.floor();
-        let at = Vec2::new(fraction.x, 1.0 - fraction.y) * size - 0.5;
-        let base = at.floor();
-        let f = at - base;
-        let (x, y) = (base.x as i32, base.y as i32);
-        let row = |y| self.texel(parameter, x, y).lerp(self.texel(parameter, x + 1, y), f.x);
-        row(y).lerp(row(y + 1), f.y)
+        let size = self.groom.parameters[parameter as usize].size;
+        bilinear(size, uv, |x, y| self.texel(parameter, x, y))
     }
 
     /// Three planar lookups, one repeat in 10 cm, weighted by the normal.
     fn triplanar(&self, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
-        let n2 = normal * normal;
-        let w = n2 * n2 / n2.dot(n2);
-        let p = position / 10.0;
-        let plane = |a, b| self.bilinear(parameter, Vec2::new(a, b));
-        w.x * plane(p.y, p.z) + w.y * plane(p.x, p.z) + w.z * plane(p.x, p.y)
+        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(parameter, uv))
     }
 
     fn lookup(&self, parameter: Parameter, at: &SkinPoint) -> Vec4 {

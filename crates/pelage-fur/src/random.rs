@@ -1,6 +1,6 @@
 //! Twin of `shaders/shared/random.wgsl`: random numbers as integer hashes of stable ids.
 
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 
 /// The "lowbias32" integer hash.
 pub fn hash(value: u32) -> u32 {
@@ -23,6 +23,25 @@ pub fn unit_float(h: u32) -> f32 {
 /// The `k`-th uniform number of a seed.
 pub fn random(seed: u32, k: u32) -> f32 {
     unit_float(hash2(seed, k))
+}
+
+/// Steps of the R2 sequence: points k times these, their integer parts dropped, are even in the unit square however many there
+/// are.
+// [Roberts2018]
+pub const R2_STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
+
+/// The `k`-th point of the R2 sequence from `start`, in the unit square.
+// [Roberts2018]
+pub fn r2(start: Vec2, k: u32) -> Vec2 {
+    let point = start + k as f32 * Vec2::from(R2_STEPS.map(|step| step as f32));
+    point - point.floor()
+}
+
+/// Barycentric coordinates of a triangle's point, even over its area for points `u` even in the unit square.
+// [Turk1990]
+pub fn even_barycentric(u: Vec2) -> Vec3 {
+    let r = u.x.sqrt();
+    Vec3::new(1.0 - r, r * (1.0 - u.y), r * u.y)
 }
 
 /// Uniform on the unit sphere; takes the numbers `k` and `k + 1` of the seed.

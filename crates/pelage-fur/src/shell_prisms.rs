@@ -33,13 +33,21 @@ const STEEPEST: f32 = 0.8;
 /// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a fifth
 /// of its area at the top, and around such places; a prism alone lowers its vertices to a twentieth at most.
 pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
-    let wanted: Vec<f32> =
-        (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect();
-    let mut heights = wanted.clone();
+    lowered(skin, normals, &wanted_heights(skin, normals, maps, vertex_uv))
+}
+
+/// Heights that the groom wants over the vertices, cm.
+pub fn wanted_heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
+    (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect()
+}
+
+/// [`heights`] of what is `wanted`.
+pub fn lowered(skin: &Skin, normals: &[Vec3], wanted: &[f32]) -> Vec<f32> {
+    let mut heights = wanted.to_vec();
     for triangle in &skin.triangles {
         let mut part = 1.0;
         for _ in 1..FOLD_STEPS {
-            if part_of_area(skin, normals, triangle, &wanted, part) > 0.2 {
+            if part_of_area(skin, normals, triangle, wanted, part) > 0.2 {
                 break;
             }
             part *= 0.82;

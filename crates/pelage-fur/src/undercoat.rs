@@ -80,6 +80,49 @@ fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
+/// Scale and shift of the noise of locks, which is finer than that of clumps, and shift of the noise of swells.
+pub const LOCKS_SCALE: f32 = 2.6;
+/// See [`LOCKS_SCALE`].
+pub const LOCKS_SHIFT: f32 = 5.1;
+/// See [`LOCKS_SCALE`].
+pub const SWELLS_SHIFT: f32 = 17.3;
+
+/// By how much less the noise of clumps and locks changes along the lean: locks of combed fur are longer than wide.
+pub const LEAN_STRETCH: f32 = 0.65;
+
+/// Density of clumps at height `t`, by the noises of clumps and locks; it may be negative.
+pub fn clump_factor(contrast: f32, t: f32, clumps: f32, locks: f32) -> f32 {
+    1.0 + contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks)
+}
+
+/// Height at which the hairs of a place have all but ended, by the noises of swells and locks.
+pub fn hair_top(variation: f32, swells: f32, locks: f32) -> f32 {
+    1.0 - variation * (0.5 + 0.3 * swells + 0.2 * locks)
+}
+
+/// Heights below and above [`hair_top`] between which hairs end.
+const END: [f32; 2] = [0.25, 0.02];
+
+/// Share of the hairs of a place that reach height `t`.
+pub fn alive(top: f32, t: f32) -> f32 {
+    1.0 - smoothstep(top - END[0], top + END[1], t)
+}
+
+/// Height at which the share `ended` of the hairs of a place have ended: the inverse of [`alive`].
+pub fn end_height(top: f32, ended: f32) -> f32 {
+    top - END[0] + (END[0] + END[1]) * inverse_smoothstep(ended)
+}
+
+/// The inverse of x² (3 - 2x) on 0..1.
+fn inverse_smoothstep(y: f32) -> f32 {
+    0.5 - ((1.0 - 2.0 * y.clamp(0.0, 1.0)).asin() / 3.0).sin()
+}
+
+/// Diameter at height `t` by that at the root, for the ratio of the two ends.
+pub fn taper(ratio: f32, t: f32) -> f32 {
+    1.0 + (ratio - 1.0) * t
+}
+
 /// The undercoat of a shell.
 #[derive(Clone, Copy)]
 pub struct Undercoat<'a> {
@@ -105,7 +148,7 @@ impl Undercoat<'_> {
     /// Locks of combed fur are longer than wide: the noise is stretched along the lean.
     fn combed(&self, p: Vec3) -> Vec3 {
         let lean = Vec3::from(self.fur.lean);
-        p - lean * (lean.dot(p) * 0.65 / lean.dot(lean).max(1e-12))
+        p - lean * (lean.dot(p) * LEAN_STRETCH / lean.dot(lean).max(1e-12))
     }
 
     /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
@@ -113,15 +156,13 @@ impl Undercoat<'_> {
         let fur = self.fur;
         let lean = Vec3::from(fur.lean) * (fur.height * t);
         let combed = self.combed(jittered - lean);
-        let locks = self.field(combed * 2.6 + 5.1, fur.noise_frequency);
+        let locks = self.field(combed * LOCKS_SCALE + LOCKS_SHIFT, fur.noise_frequency);
         let clumps = self.field(combed, fur.noise_frequency);
-        let swells = self.field(p - lean + 17.3, fur.height_frequency);
+        let swells = self.field(p - lean + SWELLS_SHIFT, fur.height_frequency);
         // Hairs end at their own heights, which makes cones of the clumps.
-        let top = 1.0 - fur.height_variation * (0.5 + 0.3 * swells + 0.2 * locks);
-        let alive = 1.0 - smoothstep(top - 0.25, top + 0.02, t);
-        let clump = 1.0 + fur.noise_contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks);
-        let taper = 1.0 + (fur.diameter_ratio - 1.0) * t;
-        clump.max(0.0) * alive * taper
+        let top = hair_top(fur.height_variation, swells, locks);
+        let clump = clump_factor(fur.noise_contrast, t, clumps, locks);
+        clump.max(0.0) * alive(top, t) * taper(fur.diameter_ratio, t)
     }
 
     /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
@@ -168,6 +209,20 @@ impl Undercoat<'_> {
             unpack_medium(pack_medium(self.subelement(place, layer, id)))
         } else {
             unpack_medium(self.cells[place.volume_index(layer, id) as usize])
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_height_at_which_hairs_end_inverts_the_share_that_lives() {
+        for i in 1..20 {
+            let ended = i as f32 / 20.0;
+            let top = 0.8;
+            assert!((1.0 - alive(top, end_height(top, ended)) - ended).abs() < 1e-3, "{ended}");
         }
     }
 }

@@ -7,6 +7,7 @@ use glam::{Vec3, Vec4};
 use pelage_core::{Error, Result, World};
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
+use pelage_fur::random::{R2_STEPS, even_barycentric};
 use pelage_fur::shell::Shell;
 use pelage_fur::shell_prisms::shell_of;
 
@@ -59,11 +60,10 @@ fn corners(shell: &Shell, prism: u32) -> [Vec3; 3] {
     shell.prisms[prism as usize].vertices.map(|v| shell.vertices[v as usize].position.into())
 }
 
-/// The k-th of evenly strewn barycentric coordinates.
+/// Barycentric coordinates of the k-th point of a triangle, even over its area.
 fn even_lambda(k: u32) -> Vec3 {
-    let u = [0.754_877_67, 0.569_840_3].map(|step: f64| ((f64::from(k) + 0.5) * step).fract() as f32);
-    let r = u[0].sqrt();
-    Vec3::new(1.0 - r, r * (1.0 - u[1]), r * u[1])
+    let u = R2_STEPS.map(|step| ((f64::from(k) + 0.5) * step).fract() as f32);
+    even_barycentric(u.into())
 }
 
 /// What to grow.

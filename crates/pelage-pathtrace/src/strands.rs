@@ -2,6 +2,7 @@
 
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
+use pelage_fur::strand_curve::tip_share;
 
 /// All hairs of one layer, flat: `segments + 1` points each.
 #[derive(Debug, Clone)]
@@ -52,11 +53,7 @@ impl Strands {
         let hair = &self.hairs[i];
         let u = match self.layer {
             Layer::Undercoat => s,
-            Layer::Guard => {
-                let [middle, width] = self.color_transition;
-                let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
-                u * u * (3.0 - 2.0 * u)
-            }
+            Layer::Guard => tip_share(self.color_transition, s),
         };
         hair.color_root.lerp(hair.color_tip, u).clamp(Vec3::ZERO, Vec3::ONE)
     }

@@ -6,6 +6,7 @@ use pelage_core::World;
 use pelage_core::scene::{LensMethod, Scene};
 use pelage_fur::camera;
 use pelage_fur::layout::{Frame, Reconstruction};
+use pelage_fur::random::r2;
 
 /// How the film is sampled.
 #[derive(Debug, Clone)]
@@ -40,8 +41,8 @@ impl SamplePlan {
         let count = spp / (grid * grid);
         let passes = (0..count)
             .map(|i| {
-                let jitter = if count == 1 { Vec2::ZERO } else { r2(i) - 0.5 };
-                (jitter, if lens.is_some() { disc(r2(i + 1)) * 0.5 } else { Vec2::ZERO })
+                let jitter = if count == 1 { Vec2::ZERO } else { r2(Vec2::splat(0.5), i) - 0.5 };
+                (jitter, if lens.is_some() { disc(r2(Vec2::splat(0.5), i + 1)) * 0.5 } else { Vec2::ZERO })
             })
             .collect();
         Self {
@@ -146,11 +147,6 @@ fn reach(radius: f32, grid: u32) -> u32 {
 
 fn taps(radius: f32, grid: u32) -> u32 {
     grid + 2 * reach(radius, grid)
-}
-
-/// Additive recurrence on the plane: even for any number of points.
-fn r2(i: u32) -> Vec2 {
-    (Vec2::splat(0.5) + i as f32 * Vec2::new(0.754_877_7, 0.569_840_3)).fract()
 }
 
 /// Square to unit disc, keeping areas.

@@ -13,6 +13,7 @@ use pelage_fur::parameters::{Maps, Parameter, SkinPoint, skin_point};
 use pelage_fur::random::{hash2, random};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
+use pelage_fur::strand_curve::tip_share;
 use pelage_fur::surface::vertex_uv;
 use pelage_fur::undercoat::{Undercoat, mean_color};
 use std::f32::consts::FRAC_PI_4;
@@ -178,20 +179,20 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
         let thickness = maps.scalar(Parameter::GuardThickness, &at);
         let colors = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at));
         let (side, other) = strand.normal.any_orthonormal_pair();
-        let [middle, width] = groom.color_transition;
         for k in 0..groom.segments {
             let [a, b] = [k, k + 1].map(|k| k as f32 / groom.segments as f32);
             let s = 0.5 * (a + b);
             let way = strand.point(groom, b) - strand.point(groom, a);
             let above = strand.point(groom, s) - strand.root;
             let opacity = groom.opacity * (-groom.tip_fade * s).exp();
-            let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
             pieces.push(Piece {
                 height: above.dot(strand.normal).max(0.0),
                 depth: density * way.length() * thickness * diameter(groom, s) * opacity,
                 tangent: Vec3::new(way.dot(side), way.dot(other), way.dot(strand.normal))
                     .normalize_or(Vec3::Z),
-                color: colors[0].lerp(colors[1], u * u * (3.0 - 2.0 * u)).clamp(Vec3::ZERO, Vec3::ONE),
+                color: colors[0]
+                    .lerp(colors[1], tip_share(groom.color_transition, s))
+                    .clamp(Vec3::ZERO, Vec3::ONE),
             });
         }
     }

@@ -10,6 +10,7 @@ use pelage_fur::layout::Root;
 use pelage_fur::parameters::{Maps, Parameter, skin_point};
 use pelage_fur::random::random;
 use pelage_fur::shell::Located;
+use pelage_fur::strand_curve::tip_share;
 use pelage_fur::strands::{position, tangent};
 
 /// Optical depth to the eye behind which a vertex is not shaded.
@@ -46,9 +47,7 @@ pub fn shade(
         let along = tangent(strand, k);
         let view = (Vec3::from(light.frame.eye) - x).normalize();
         let s = k as f32 / (strand.len() - 1) as f32;
-        let [middle, width] = groom.color_transition;
-        let u = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
-        let tint = ends[0].lerp(ends[1], u * u * (3.0 - 2.0 * u)).clamp(Vec3::ZERO, Vec3::ONE);
+        let tint = ends[0].lerp(ends[1], tip_share(groom.color_transition, s)).clamp(Vec3::ZERO, Vec3::ONE);
         // A strand that hangs over the border of the skin keeps its last place.
         inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
         let cell = cell(fur, &place);

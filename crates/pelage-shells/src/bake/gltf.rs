@@ -15,7 +15,6 @@
 //!
 //! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings, view and lights.
 
-mod heights;
 mod points;
 
 pub use points::{Clothed, FinEdge, clothe, fin_edges};

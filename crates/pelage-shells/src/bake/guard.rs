@@ -7,7 +7,11 @@ use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::Guard;
+use pelage_fur::parameters::Parameter;
 use pelage_fur::random::{hash2, random};
+use pelage_fur::strand_curve::{
+    bezier, control_polygon, curl_and_frizz, diameter, leg_directions, rayleigh, tip_share,
+};
 use std::f32::consts::TAU;
 
 /// Guard hairs of a patch.
@@ -34,8 +38,8 @@ impl<'a> GuardFur<'a> {
     pub fn new(guard: &'a Guard, means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
         let seed = hash2(seed, 0x6775_6172);
         let area = patch * patch;
-        let length = means.scalar(&guard.length);
-        let wanted = if length > 0.0 { means.scalar(&guard.density) * area } else { 0.0 };
+        let length = means.scalar(Parameter::GuardLength);
+        let wanted = if length > 0.0 { means.scalar(Parameter::GuardDensity) * area } else { 0.0 };
         let (count, weight) = whole(wanted, most);
         Self {
             guard,
@@ -43,12 +47,12 @@ impl<'a> GuardFur<'a> {
             weight,
             length,
             rise: rise(guard, means),
-            thickness: means.scalar(&guard.thickness),
-            clump: means.scalar(&guard.clump).min(1.0),
-            curl: means.scalar(&guard.curl),
-            frizz: means.scalar(&guard.frizz),
-            color_root: means.color(&guard.color_root),
-            color_tip: means.color(&guard.color_tip),
+            thickness: means.scalar(Parameter::GuardThickness),
+            clump: means.scalar(Parameter::GuardClump).min(1.0),
+            curl: means.scalar(Parameter::GuardCurl),
+            frizz: means.scalar(Parameter::GuardFrizz),
+            color_root: means.color(Parameter::GuardColorRoot),
+            color_tip: means.color(Parameter::GuardColorTip),
             clumps: ClumpCentres::new(guard.clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
             seed,
         }
@@ -84,13 +88,11 @@ impl<'a> GuardFur<'a> {
 
 /// Height of the tip of a hair of length 1 that is combed and bent as `guard` says, on the mean of the skin.
 fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
-    let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(&guard.comb);
-    let fall = Vec3::NEG_Y * guard.gravity;
+    let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(Parameter::GuardComb);
     let mean = means.over_normals(|n| {
         let lean = comb.reject_from_normalized(n);
-        let up = |k: f32, fall: Vec3| (n + k * lean + fall).normalize_or(n).dot(n);
-        // No control point of the shader's curve lies below the skin.
-        ((up(0.5, Vec3::ZERO) + up(0.9, 0.35 * fall)).max(0.0) + up(1.25, fall)).max(0.0) / 3.0
+        let polygon = control_polygon(n, leg_directions(n, lean, guard.gravity));
+        polygon[2].dot(n) / 3.0
     });
     mean.clamp(0.1, 1.0)
 }
@@ -118,31 +120,23 @@ impl HairSource for GuardFur<'_> {
         let seed = hash2(hash2(self.seed, 2), i);
         let root = self.root(i);
         let length = self.length * (1.0 - g.length_variation * random(seed, 0));
-        // Rayleigh distributed, as in the shader.
-        let spread = g.spread.to_radians().tan() * (-2.0 * (1.0 - random(seed, 1)).ln()).sqrt();
+        let spread = g.spread.to_radians().tan() * rayleigh(random(seed, 1));
         let lean = (spread * Vec2::from_angle(TAU * random(seed, 2))).extend(0.0);
-        let leg = |k: f32| (Vec3::Z + k * lean).normalize() * (length / 3.0);
-        let p1 = leg(0.5);
-        let p2 = p1 + leg(0.9);
-        let p3 = p2 + leg(1.25);
+        let legs = leg_directions(Vec3::Z, lean, 0.0).map(|leg| leg * (length / 3.0));
+        let polygon = control_polygon(Vec3::Z, legs);
         let pull = if self.clump > 0.0 { self.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
-        let phase = TAU * random(seed, 3);
         let tone = 1.0 + g.color_variation * (2.0 * random(seed, 6) - 1.0);
         // The curve itself, not its tessellation: frizz of many bends would show corners in the fin.
         let segments = g.segments.max(32);
         let knots = (0..=segments)
             .map(|k| {
                 let s = k as f32 / segments as f32;
-                let r = 1.0 - s;
-                let bezier = 3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3;
-                let turn = phase + TAU * g.curl_frequency * length * s;
-                let curl = Vec2::from_angle(turn) - Vec2::from_angle(phase);
-                let wave = [(4, 1.0), (5, 1.37)]
-                    .map(|(k, f)| (TAU * random(seed, k) + TAU * g.frizz_frequency * length * s * f).sin());
-                let across = pull * (s * s) + self.curl * s * curl + self.frizz * s * Vec2::from(wave);
+                let frequencies = [g.curl_frequency, g.frizz_frequency];
+                let [curl, frizz] = curl_and_frizz(seed, length, frequencies, s);
+                let across = pull * (s * s) + self.curl * s * curl + self.frizz * s * frizz;
                 Knot {
-                    offset: bezier * Vec3::new(1.0, 1.0, self.rise) + across.extend(0.0),
-                    diameter: self.thickness * diameter(g, s) * 1e-4 / self.rise,
+                    offset: bezier(polygon, s) * Vec3::new(1.0, 1.0, self.rise) + across.extend(0.0),
+                    diameter: self.thickness * diameter(g.diameter, g.widest, s) * 1e-4 / self.rise,
                     opacity: self.weight * g.opacity * (-g.tip_fade * s).exp(),
                     color: self.color(s, tone),
                 }
@@ -154,20 +148,7 @@ impl HairSource for GuardFur<'_> {
 
 impl GuardFur<'_> {
     fn color(&self, s: f32, tone: f32) -> Vec3 {
-        let [middle, width] = self.guard.color_transition;
-        let x = ((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0);
-        let blend = x * x * (3.0 - 2.0 * x);
+        let blend = tip_share(self.guard.color_transition, s);
         (self.color_root.lerp(self.color_tip, blend) * tone).clamp(Vec3::ZERO, Vec3::ONE)
     }
-}
-
-/// Diameter at `s` (0 root, 1 tip), µm: the shader's profile.
-fn diameter(guard: &Guard, s: f32) -> f32 {
-    let [root, widest, tip] = guard.diameter;
-    if s < guard.widest {
-        let x = s / guard.widest.max(1e-3);
-        return root + (widest - root) * (x * x * (3.0 - 2.0 * x));
-    }
-    let x = (s - guard.widest) / (1.0 - guard.widest).max(1e-3);
-    widest + (tip - widest) * x * x
 }

@@ -1,10 +1,11 @@
 //! Groom parameters at their mean over the skin: one texture serves all of it.
 
-use glam::{Vec2, Vec3, Vec4};
-use pelage_core::World;
-use pelage_core::maps::VERTEX_COLOR;
-use pelage_core::scene::{Color, Scalar};
-use pelage_fur::random::{hash2, random};
+use glam::{DVec3, Vec2, Vec3, Vec4};
+use pelage_core::scene::FurLayers;
+use pelage_core::{Result, World};
+use pelage_fur::groom::{self, PackedGroom};
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_fur::random::{even_barycentric, hash2, r2, random};
 
 /// Places on the skin where maps are read.
 const SAMPLES: usize = 20_000;
@@ -12,76 +13,76 @@ const SAMPLES: usize = 20_000;
 /// Places spread over the skin, by area.
 pub(super) struct SkinSamples<'a> {
     world: &'a World,
-    /// Triangle and barycentric coordinates, and the area that the place stands for.
-    places: Vec<(usize, Vec3, f64)>,
+    packed: PackedGroom,
+    /// Each with the area that it stands for, cm².
+    places: Vec<(SkinPoint, f64)>,
 }
 
 impl<'a> SkinSamples<'a> {
     /// A few places on each triangle, more on larger ones.
-    pub fn new(world: &'a World) -> Self {
+    ///
+    /// # Errors
+    /// As [`groom::pack`].
+    pub fn new(world: &'a World) -> Result<Self> {
         let skin = &world.skin;
         let total = skin.area().max(1e-30);
         let mut places = Vec::new();
-        for t in 0..skin.triangles.len() {
+        for (t, triangle) in skin.triangles.iter().enumerate() {
             let area = f64::from(skin.triangle_area(t));
             let n = ((area / total * SAMPLES as f64).round() as u32).max(1);
             let seed = hash2(0x6d65_616e, t as u32);
+            let start = Vec2::new(random(seed, 0), random(seed, 1));
             for k in 0..n {
-                // The R2 sequence, so that the places of one triangle lie evenly.
-                let u = Vec2::new(random(seed, 0), random(seed, 1))
-                    + k as f32 * Vec2::new(0.754_877_7, 0.569_840_3);
-                let u = u - u.floor();
-                let r = u.x.sqrt();
-                let lambda = Vec3::new(1.0 - r, r * (1.0 - u.y), r * u.y);
-                places.push((t, lambda, area / f64::from(n)));
+                let lambda = even_barycentric(r2(start, k));
+                let mix = |f: &[Vec3]| {
+                    let [a, b, c] = triangle.map(|v| f[v as usize]);
+                    lambda.x * a + lambda.y * b + lambda.z * c
+                };
+                let uv = skin.corner_uv.as_ref().map_or(Vec2::ZERO, |uv| {
+                    let [a, b, c] = uv[t];
+                    lambda.x * a + lambda.y * b + lambda.z * c
+                });
+                let at = SkinPoint {
+                    position: mix(&skin.positions),
+                    normal: mix(&skin.normals),
+                    uv,
+                    color: mix(&skin.colors),
+                };
+                places.push((at, area / f64::from(n)));
             }
         }
-        Self { world, places }
+        // Both layers are baked, whatever is drawn beside the textures.
+        let mut whole = world.clone();
+        whole.scene.render.fur = FurLayers::Hybrid;
+        Ok(Self { world, packed: groom::pack(&whole)?, places })
     }
 
-    fn mean(&self, map: &str, color: bool) -> Vec4 {
-        let World { skin, maps, .. } = self.world;
-        let image = maps.index_of(map, color).and_then(|i| maps.images.get(i));
-        if map != VERTEX_COLOR && image.is_none() {
-            return Vec4::ONE;
-        }
-        let (mut sum, mut area) = ([0.0f64; 4], 0.0);
-        for (t, lambda, weight) in &self.places {
-            let triangle = skin.triangles[*t].map(|v| v as usize);
-            let mix = |f: &[Vec3]| {
-                lambda.x * f[triangle[0]] + lambda.y * f[triangle[1]] + lambda.z * f[triangle[2]]
-            };
-            let texel = match (image, &skin.corner_uv) {
-                (None, _) => mix(&skin.colors).extend(1.0).to_array(),
-                (Some(image), Some(uv)) => {
-                    let [a, b, c] = uv[*t];
-                    image.bilinear(lambda.x * a + lambda.y * b + lambda.z * c)
-                }
-                (Some(image), None) => image.triplanar(mix(&skin.positions), mix(&skin.normals), 1.0),
-            };
-            (0..4).for_each(|k| sum[k] += weight * f64::from(texel[k]));
+    fn mean(&self, of: impl Fn(&Maps<'_>, &SkinPoint) -> Vec3) -> Vec3 {
+        let maps = Maps { groom: &self.packed.groom, texels: &self.packed.texels };
+        let (mut sum, mut area) = (DVec3::ZERO, 0.0);
+        for (at, weight) in &self.places {
+            sum += *weight * of(&maps, at).as_dvec3();
             area += weight;
         }
-        if area > 0.0 { Vec4::from(sum.map(|s| (s / area) as f32)) } else { Vec4::ONE }
+        if area > 0.0 { (sum / area).as_vec3() } else { Vec3::ONE }
     }
 
     /// The mean of a scalar, not below 0.
-    pub fn scalar(&self, scalar: &Scalar) -> f32 {
-        let value = match scalar {
-            Scalar::Constant(v) => *v,
-            Scalar::Mapped(m) => {
-                let texel = self.mean(&m.map, false);
-                m.value * texel[m.channel.index()] + m.offset
-            }
+    pub fn scalar(&self, parameter: Parameter) -> f32 {
+        let constant = &self.packed.groom.parameters[parameter as usize];
+        let value = match constant.source {
+            0 => constant.value[0] + constant.offset,
+            _ => self.mean(|maps, at| Vec3::splat(maps.scalar(parameter, at))).x,
         };
         value.max(0.0)
     }
 
     /// The mean of a colour.
-    pub fn color(&self, color: &Color) -> Vec3 {
-        match color {
-            Color::Constant(c) => Vec3::from(*c),
-            Color::Mapped(m) => Vec3::from(m.value) * self.mean(&m.map, true).truncate(),
+    pub fn color(&self, parameter: Parameter) -> Vec3 {
+        let constant = &self.packed.groom.parameters[parameter as usize];
+        match constant.source {
+            0 => Vec4::from(constant.value).truncate(),
+            _ => self.mean(|maps, at| maps.color(parameter, at)),
         }
     }
 

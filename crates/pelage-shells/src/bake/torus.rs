@@ -2,7 +2,7 @@
 
 use glam::Vec2;
 use noise::{NoiseFn, Simplex};
-use pelage_fur::random::{hash2, random};
+use pelage_fur::random::{R2_STEPS, hash2, random};
 use std::f64::consts::TAU;
 
 /// Standard deviation of the `noise` crate's simplex noise in space, over all places and seeds.
@@ -98,7 +98,7 @@ impl ClumpCentres {
 pub(super) fn even_root(seed: u32, i: u32, count: u32) -> [f32; 2] {
     let h = hash2(seed, i);
     let shake = 2.0 / f64::from(count.max(1)).sqrt();
-    [(0u32, 0.754_877_666_246_692_8), (1, 0.569_840_290_998_053_3)].map(|(k, step)| {
+    [(0u32, R2_STEPS[0]), (1, R2_STEPS[1])].map(|(k, step)| {
         let start = f64::from(random(seed, k));
         let x = start + f64::from(i) * step + shake * f64::from(random(h, 20 + k) - 0.5);
         // 24 bits, so that no place rounds up to 1.

@@ -9,7 +9,11 @@ use super::strand::{Hair, HairSource, Knot};
 use super::torus::PeriodicNoise;
 use glam::{Vec2, Vec3};
 use pelage_core::scene::{NoiseDomain, Undercoat};
+use pelage_fur::parameters::Parameter;
 use pelage_fur::random::{hash2, random, random_direction};
+use pelage_fur::undercoat::{
+    LEAN_STRETCH, LOCKS_SCALE, LOCKS_SHIFT, SWELLS_SHIFT, clump_factor, end_height, hair_top, taper,
+};
 
 /// Knots of a hair after its root.
 const SEGMENTS: u32 = 9;
@@ -48,15 +52,16 @@ impl<'a> UndercoatFur<'a> {
         seed: u32,
         most: u32,
     ) -> Self {
-        let height = means.scalar(&coat.height);
-        let wanted = if height > 0.0 { means.scalar(&coat.density) * patch * patch } else { 0.0 };
+        let height = means.scalar(Parameter::UndercoatHeight);
+        let wanted =
+            if height > 0.0 { means.scalar(Parameter::UndercoatDensity) * patch * patch } else { 0.0 };
         let (count, weight) = whole(wanted, most);
         // Frequencies in the domain of uv are per unit of uv.
         let unit = match coat.noise_domain {
             NoiseDomain::Uv => means.uv_unit().unwrap_or(1.0),
             NoiseDomain::Object => 1.0,
         };
-        let stretch = if combed && coat.lean > 0.0 { 0.35 } else { 1.0 };
+        let stretch = if combed && coat.lean > 0.0 { 1.0 - LEAN_STRETCH } else { 1.0 };
         let periods = |frequency: f32, stretch: f32| {
             let n = (frequency * patch / unit).min(1e4);
             [n * stretch, n]
@@ -67,19 +72,22 @@ impl<'a> UndercoatFur<'a> {
             weight,
             height,
             patch,
-            color_root: means.color(&coat.color_root),
-            color_tip: means.color(&coat.color_tip),
+            color_root: means.color(Parameter::UndercoatColorRoot),
+            color_tip: means.color(Parameter::UndercoatColorTip),
             clumps: PeriodicNoise::new(seed, periods(coat.noise_frequency, stretch), 0.0),
-            locks: PeriodicNoise::new(seed, periods(2.6 * coat.noise_frequency, stretch), 5.1),
-            swells: PeriodicNoise::new(seed, periods(coat.height_frequency, 1.0), 17.3),
+            locks: PeriodicNoise::new(
+                seed,
+                periods(LOCKS_SCALE * coat.noise_frequency, stretch),
+                f64::from(LOCKS_SHIFT),
+            ),
+            swells: PeriodicNoise::new(seed, periods(coat.height_frequency, 1.0), f64::from(SWELLS_SHIFT)),
             seed: hash2(seed, 0x756e_6465),
         }
     }
 
     /// The volume's factor for clumps at height `t` above a place (1 the edges of the torus).
     fn clump(&self, at: Vec2, t: f32) -> f32 {
-        let contrast = self.coat.noise_contrast * (0.35 + 0.65 * t);
-        1.0 + contrast * (0.5 * self.clumps.at(at) + 0.6 * self.locks.at(at))
+        clump_factor(self.coat.noise_contrast, t, self.clumps.at(at), self.locks.at(at))
     }
 }
 
@@ -111,8 +119,8 @@ impl HairSource for UndercoatFur<'_> {
         let at = Vec2::from(root);
         // Shares of the hairs that have ended, drawn evenly: the volume thins out as the hairs end one after the other.
         let ended = (0.618_034 * f64::from(i) + f64::from(random(self.seed, 0))).fract() as f32;
-        let top = 1.0 - coat.height_variation * (0.5 + 0.3 * self.swells.at(at) + 0.2 * self.locks.at(at));
-        let end = (top - 0.25 + 0.27 * inverse_smoothstep(ended)).clamp(0.02, 1.0);
+        let top = hair_top(coat.height_variation, self.swells.at(at), self.locks.at(at));
+        let end = end_height(top, ended).clamp(0.02, 1.0);
         let height = end * self.height;
         let jitter = 2.0 * Vec2::new(random(seed, 0), random(seed, 1)) - 1.0;
         let turns = [0, 1, 2].map(|k| random_direction(seed, 10 + 2 * k));
@@ -142,7 +150,7 @@ impl HairSource for UndercoatFur<'_> {
                 let clump = self.clump(at + coat.uv_jitter * growth * jitter / self.patch, t).max(0.0);
                 Knot {
                     offset,
-                    diameter: coat.diameter[0] * (1.0 + (ratio - 1.0) * t) * 1e-4,
+                    diameter: coat.diameter[0] * taper(ratio, t) * 1e-4,
                     opacity: self.weight * clump / middle,
                     color: self.color_root.lerp(self.color_tip, t) * tone,
                 }
@@ -152,23 +160,5 @@ impl HairSource for UndercoatFur<'_> {
         let straight = if length > 0.0 { height / length } else { 1.0 };
         knots.iter_mut().for_each(|k| k.opacity *= straight);
         Hair { root, knots, guard: false }
-    }
-}
-
-/// The inverse of x² (3 - 2x) on 0..1.
-fn inverse_smoothstep(y: f32) -> f32 {
-    0.5 - ((1.0 - 2.0 * y.clamp(0.0, 1.0)).asin() / 3.0).sin()
-}
-
-#[cfg(test)]
-mod tests {
-    use super::inverse_smoothstep;
-
-    #[test]
-    fn smoothstep_is_undone() {
-        for i in 0..=20 {
-            let x = i as f32 / 20.0;
-            assert!((inverse_smoothstep(x * x * (3.0 - 2.0 * x)) - x).abs() < 1e-3, "{x}");
-        }
     }
 }

@@ -7,6 +7,7 @@ use pelage_fur::fibre::table::MEAN_GLINT;
 use pelage_fur::fibre::{Angles, Fibre, Hit};
 use pelage_fur::layout::{Brush, Frame, FurParameters, Light, ShellRow, ShellVertex, Shellfin};
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint, unpack_color};
+use pelage_fur::strand_curve::{bezier, control_polygon, leg_directions};
 use pelage_fur::undercoat::scatter;
 use pelage_render::twin::film::halves;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -95,18 +96,9 @@ impl Hair<'_> {
         let lean = self.lean(v);
         let mut p = s * (n + lean);
         if self.shellfin.curved == 1 {
-            let fall = Vec3::NEG_Y * self.maps.groom.gravity;
-            let e1 = (n + 0.5 * lean).normalize();
-            let e2 = (n + 0.9 * lean + 0.35 * fall).normalize();
-            let e3 = (n + 1.25 * lean + fall).normalize();
-            let above = |p: Vec3| p - n * p.dot(n).min(0.0);
-            let p1 = e1 / 3.0;
-            let (p2, p3) = (p1 + e2 / 3.0, p1 + e2 / 3.0 + e3 / 3.0);
-            // The shader lifts the second point before it adds the third.
-            let p3 = above(above(p2) + (p3 - p2));
-            let p2 = above(p2);
-            let r = 1.0 - s;
-            let b = (3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s.powi(3) * p3) / p3.dot(n).max(0.25);
+            let legs = leg_directions(n, lean, self.maps.groom.gravity).map(|leg| leg / 3.0);
+            let polygon = control_polygon(n, legs);
+            let b = bezier(polygon, s) / polygon[2].dot(n).max(0.25);
             p = b.reject_from_normalized(n) + s * n;
         }
         let long = p.length();

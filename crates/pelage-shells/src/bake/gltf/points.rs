@@ -1,16 +1,18 @@
 //! The skin's vertices as a client draws them: one for each place in the textures, with the hair that grows there.
 
-use super::{Manifest, heights};
+use super::Manifest;
 use crate::lapped::Lapped;
 use crate::shellfin::Pose;
 use glam::{Vec2, Vec3};
-use pelage_core::maps::VERTEX_COLOR;
 use pelage_core::mesh::topology;
-use pelage_core::scene::{BakeSource, Color, Mapping, Scalar};
+use pelage_core::scene::{BakeSource, Mapping};
 use pelage_core::skin::NONE;
-use pelage_core::{Error, Result, World};
+use pelage_core::{Error, Result, Skin, World};
 use pelage_fur::groom;
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
 use pelage_fur::random::{hash2, random};
+use pelage_fur::shell_prisms::{lowered, wanted_heights};
+use pelage_fur::strand_curve::{control_polygon, leg_directions};
 use pelage_fur::surface;
 use std::collections::HashMap;
 
@@ -92,8 +94,10 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     let curved = manifest.source == BakeSource::Hybrid;
     let bend = Pose::at(world, 0.0, height).by_height(height);
     // Those along which `pelage render --fur shells` raises the shells.
-    let upright = surface::shell_normals(skin, groom::pack(world)?.fur.height);
-    let kept = if curved { heights::kept(world, &upright)? } else { vec![1.0; upright.len()] };
+    let packed = groom::pack(world)?;
+    let maps = Maps { groom: &packed.groom, texels: &packed.texels };
+    let upright = surface::shell_normals(skin, packed.fur.height);
+    let kept = if curved { kept(skin, &maps, &upright) } else { vec![1.0; upright.len()] };
     let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
     let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();
     for (t, triangle) in skin.triangles.iter().enumerate() {
@@ -108,23 +112,24 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
             if face[k] != next {
                 continue;
             }
-            let at = Point {
+            let at = SkinPoint {
                 position: skin.positions[*v as usize],
                 normal: skin.normals[*v as usize],
-                upright: upright[*v as usize],
-                uv,
+                uv: uv.unwrap_or_default(),
                 color: skin.colors[*v as usize],
             };
-            let shells = &world.scene.shells;
-            let length = kept[*v as usize] * scalar(world, "shells.length", &shells.length, &at)?.max(0.0);
+            let upright = upright[*v as usize];
+            let length = kept[*v as usize] * maps.scalar(Parameter::ShellLength, &at).max(0.0);
             clothed.positions.push(at.position);
             clothed.normals.push(at.normal);
-            clothed.upright.push(at.upright);
+            clothed.upright.push(upright);
             clothed.fur_uv.push(fur_uv);
             clothed.skin_uv.as_mut().into_iter().for_each(|all| all.extend(uv));
-            clothed.skin_colors.push(color(world, "base.color", &world.scene.base.color, &at)?);
-            clothed.fur_colors.push(color(world, "shells.color", &shells.color, &at)?);
-            clothed.hairs.push(hair(world, curved, &at, bend)?.map(|p| height * length * p));
+            clothed.skin_colors.push(maps.color(Parameter::BaseColor, &at));
+            clothed.fur_colors.push(maps.color(Parameter::ShellColor, &at));
+            clothed
+                .hairs
+                .push(hair(world, curved.then_some(&maps), &at, upright, bend).map(|p| height * length * p));
             clothed.origin.push(*v);
         }
         clothed.triangles.push(face);
@@ -133,37 +138,34 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
 }
 
 /// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by `bend`, that of the scene's steady forces.
-/// Where the textures are baked from the groom (`curved`), it is the groom's strand without its random parts, scaled so that its tip is as
+/// Where the textures are baked from the groom (`groom`), it is the groom's strand without its random parts, scaled so that its tip is as
 /// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
 // As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
-fn hair(world: &World, curved: bool, at: &Point, bend: Vec3) -> Result<[Vec3; 3]> {
-    let (shells, guard) = (&world.scene.shells, &world.scene.guard);
-    let n = at.upright;
+fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: Vec3) -> [Vec3; 3] {
+    let shells = &world.scene.shells;
     let strokes = shells.brushes.iter().map(|b| {
         let d = at.position.distance(b.center.into()) / b.radius;
         (1.0 - d * d).max(0.0).powi(2) * Vec3::from(b.direction)
     });
     let mut lean = Vec3::from(shells.comb) + strokes.sum::<Vec3>();
-    if curved {
-        let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
-        lean += comb * scalar(world, "guard.comb", &guard.comb, at)?;
+    if let Some(maps) = groom {
+        lean += Vec3::from(maps.groom.comb_direction) * maps.scalar(Parameter::GuardComb, at);
     }
     lean -= n * n.dot(lean);
-    let mut points = [lean / 3.0, lean * (2.0 / 3.0), lean];
-    if curved {
-        let fall = Vec3::NEG_Y * guard.gravity;
-        let above = |p: Vec3| p - n * p.dot(n).min(0.0);
-        let p1 = (n + 0.5 * lean).normalize_or(n) / 3.0;
-        let p2 = above(p1 + (n + 0.9 * lean + 0.35 * fall).normalize_or(n) / 3.0);
-        let p3 = above(p2 + (n + 1.25 * lean + fall).normalize_or(n) / 3.0);
-        points = [p1, p2, p3].map(|p| (p - n * p.dot(n)) / p3.dot(n).max(0.25));
-    }
+    let points = match groom {
+        Some(maps) => {
+            let legs = leg_directions(n, lean, maps.groom.gravity).map(|leg| leg / 3.0);
+            let polygon = control_polygon(n, legs);
+            polygon.map(|p| (p - n * p.dot(n)) / polygon[2].dot(n).max(0.25))
+        }
+        None => [lean / 3.0, lean * (2.0 / 3.0), lean],
+    };
     // The curve whose control points are at even heights is at even heights itself.
     let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
     // A bent hair keeps its length.
     let bent = p3 + bend;
     let p3 = bent * (p3.length() / bent.length().max(1e-4));
-    Ok([p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)])
+    [p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)]
 }
 
 /// All edges, once each (an edge of more than two faces once a face), in the order of faces. The place in the texture is random for
@@ -196,38 +198,9 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
     edges
 }
 
-/// A point of the skin where parameters are read.
-pub(super) struct Point {
-    pub position: Vec3,
-    pub normal: Vec3,
-    /// Direction of upright hair, unit: the normal without what is finer than the fur is high.
-    pub upright: Vec3,
-    pub uv: Option<Vec2>,
-    pub color: Vec3,
-}
-
-pub(super) fn scalar(world: &World, key: &str, scalar: &Scalar, at: &Point) -> Result<f32> {
-    Ok(match scalar {
-        Scalar::Constant(value) => *value,
-        Scalar::Mapped(m) => m.value * lookup(world, key, &m.map, false, at)?[m.channel.index()] + m.offset,
-    })
-}
-
-fn color(world: &World, key: &str, color: &Color, at: &Point) -> Result<Vec3> {
-    Ok(match color {
-        Color::Constant(value) => Vec3::from(*value),
-        Color::Mapped(m) => {
-            let [r, g, b, _] = lookup(world, key, &m.map, true, at)?;
-            Vec3::from(m.value) * Vec3::new(r, g, b)
-        }
-    })
-}
-
-fn lookup(world: &World, key: &str, map: &str, color: bool, at: &Point) -> Result<[f32; 4]> {
-    if map == VERTEX_COLOR {
-        return Ok(at.color.extend(1.0).to_array());
-    }
-    let image = world.maps.index_of(map, color).and_then(|i| world.maps.images.get(i));
-    let image = image.ok_or_else(|| Error::Unsupported(format!("{key}: the map \"{map}\" is not loaded")))?;
-    Ok(at.uv.map_or_else(|| image.triplanar(at.position, at.normal, 1.0), |uv| image.bilinear(uv)))
+/// Part of its height, 0..1, that the shell keeps over each vertex when it is raised along `upright`.
+fn kept(skin: &Skin, maps: &Maps<'_>, upright: &[Vec3]) -> Vec<f32> {
+    let wanted = wanted_heights(skin, upright, maps, &surface::vertex_uv(skin));
+    let heights = lowered(skin, upright, &wanted);
+    heights.iter().zip(&wanted).map(|(height, wanted)| (height / wanted.max(1e-4)).clamp(0.0, 1.0)).collect()
 }

@@ -4,6 +4,7 @@ use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::film::Film;
 use pelage_core::scene::Camera;
 use pelage_shells::bake::Texture;
+use pelage_shells::twin::shellfin_raster;
 
 /// Samples along a pixel's side.
 const SAMPLES: usize = 3;
@@ -166,19 +167,10 @@ impl Canvas {
 
 /// A texture's premultiplied colour at texture coordinates, interpolated bilinearly.
 pub(super) fn bilinear(texture: &Texture, uv: Vec2, wrap_v: bool) -> Vec4 {
-    let [width, height] = [texture.width as i64, texture.height as i64];
-    if width == 0 || height == 0 {
+    if texture.texels.is_empty() {
         return Vec4::ZERO;
     }
-    let at = uv * Vec2::new(width as f32, height as f32) - 0.5;
-    let (base, part) = (at.floor(), at - at.floor());
-    let texel = |i: i64, j: i64| {
-        let (x, y) = (base.x as i64 + i, base.y as i64 + j);
-        let y = if wrap_v { y.rem_euclid(height) } else { y.clamp(0, height - 1) };
-        Vec4::from(texture.texels[(y * width + x.rem_euclid(width)) as usize])
-    };
-    let row = |j: i64| texel(0, j).lerp(texel(1, j), part.x);
-    row(0).lerp(row(1), part.y)
+    shellfin_raster::bilinear(texture, uv, wrap_v)
 }
 
 /// Flat shading of a triangle, lit from above the camera: a factor of 0.45 to 1.
