@@ -95,7 +95,7 @@ pub fn diffuse() -> Fibre {
 /// Traces diffuse hairs.
 pub fn trace(world: &World, coats: Vec<Strands>, options: &Options<'_>) -> Film {
     let coats = coats.into_iter().map(|s| (s, diffuse())).collect();
-    pathtrace::render_coats(world, coats, options, &mut |_| Ok(())).expect("a film").film
+    pathtrace::render_layers(world, coats, options, &mut |_| Ok(())).expect("a film").film
 }
 
 /// Mean of a plane.

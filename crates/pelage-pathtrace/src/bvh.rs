@@ -1,8 +1,9 @@
-//! A bounding volume hierarchy of four boxes a node.
+//! A bounding volume hierarchy with four boxes in a node.
 //!
-//! Things are sorted along a space-filling curve and cut into chunks; obvhs builds a binary tree over each, which is folded into
-//! nodes of four. So building takes all cores, and the memory that the builder needs besides is that of a few chunks. The result
-//! depends on the things alone.
+//! Things are sorted along a space-filling curve and cut into chunks. obvhs builds a binary tree over each chunk, which is collapsed into
+//! nodes of four children. So building uses all cores, and the builder's own memory is that of a few chunks. The result depends on
+//! the things alone.
+// [MeisterBittner2018Ploc] and [MeisterBittner2018Reinsertion] by obvhs, [Wald2008] collapse, [Williams2005] ray and box
 
 use glam::{Vec3A, Vec4};
 use obvhs::{
@@ -21,52 +22,53 @@ pub struct Bounds {
     pub high: Vec3A,
 }
 
-/// What is sorted: a part of a thing.
+/// What the hierarchy's leaves hold: a part of a thing.
 #[derive(Debug, Clone, Copy)]
 pub struct Part {
     /// The thing's number, below 2³¹.
     pub thing: u32,
-    /// Which part of how many.
+    /// Which part of it.
     pub part: u16,
-    /// How many.
+    /// Number of its parts.
     pub parts: u16,
 }
 
-/// Most parts of a chunk.
+/// Largest number of parts in a chunk.
 const CHUNK: usize = 1 << 16;
 
-/// Child that is a thing.
+/// Bit of a child that is a thing.
 const THING: u32 = 1 << 31;
 
-/// Four boxes: low x, y, z, high x, y, z. Boxes that are not there are inside out.
+/// Four boxes: low x, y, z, high x, y, z. Unused boxes are inside out.
 #[derive(Debug, Clone, Copy)]
 struct Node {
     bounds: [Vec4; 6],
     children: [u32; 4],
 }
 
-/// Bytes a part that the hierarchy takes at most, while it is built; by measurement with tests/pathtrace_memory.rs.
+/// Largest number of bytes per part while the hierarchy is built, measured with tests/pathtrace_memory.rs.
 pub const BYTES_A_PART: u64 = 128;
 
-/// Bytes that the builder needs for the chunks in work and the threads' stacks.
+/// Bytes that the builder needs for the chunks in progress and the threads' stacks.
 pub const BYTES_MORE: u64 = 32 << 20;
 
-/// The hierarchy.
+/// The hierarchy over all parts.
 #[derive(Debug, Clone, Default)]
 pub struct Bvh {
     nodes: Vec<Node>,
     root: u32,
 }
 
-/// A ray as the boxes read it.
+/// A ray, prepared for its intersection with boxes.
 #[derive(Debug, Clone, Copy)]
 pub struct Ray {
-    /// cm.
+    /// Origin, cm.
     pub origin: Vec3A,
-    /// Unit.
+    /// Unit direction.
     pub direction: Vec3A,
     origins: [Vec4; 3],
     inverses: [Vec4; 3],
+    /// For each axis, the index in [`Node::bounds`] of the side that the ray meets first.
     near: [usize; 3],
 }
 
@@ -87,7 +89,7 @@ impl Ray {
     }
 }
 
-/// Room for the walk through the nodes, kept between rays.
+/// Stack of the traversal, kept between rays: nodes and where the ray enters them.
 pub type Stack = Vec<(u32, f32)>;
 
 impl Node {
@@ -111,7 +113,7 @@ impl Node {
         self.children[slot] = child;
     }
 
-    /// Which boxes a ray meets before `limit`, as bits, and where.
+    /// Which boxes a ray meets before `limit`, as bits, and where it enters them.
     #[inline]
     fn meet(&self, ray: &Ray, limit: f32) -> (u32, [f32; 4]) {
         let [x, y, z] = ray.near;
@@ -129,7 +131,7 @@ impl Bvh {
         if parts.is_empty() {
             return Self::default();
         }
-        // Coincident things make the builder recurse deeply.
+        // Coincident things make the builder recurse deeply, so its threads get large stacks.
         let threads = rayon::current_num_threads();
         match rayon::ThreadPoolBuilder::new().num_threads(threads).stack_size(64 << 20).build() {
             Ok(pool) => pool.install(|| Self::build_here(parts, &bounds)),
@@ -164,7 +166,7 @@ impl Bvh {
                     .collect();
                 let tree = binary(&boxes);
                 let mut nodes = Vec::with_capacity(chunk.len() / 2);
-                let whole = fold(&tree, &mut nodes, |leaf| THING | chunk[leaf as usize].1.thing);
+                let whole = collapse(&tree, &mut nodes, |leaf| THING | chunk[leaf as usize].1.thing);
                 nodes.shrink_to_fit();
                 (nodes, whole)
             })
@@ -191,8 +193,8 @@ impl Bvh {
             let base = nodes.len();
             let mut top = Vec::new();
             let tree = binary(&boxes);
-            // Children within the top part are told apart from chunks by a mark.
-            fold(&tree, &mut top, |leaf| THING | roots[leaf as usize]);
+            // A mark tells chunks from children within the top part.
+            collapse(&tree, &mut top, |leaf| THING | roots[leaf as usize]);
             nodes.extend(top.into_iter().map(|mut node| {
                 for child in &mut node.children {
                     *child = if *child & THING != 0 { *child & !THING } else { *child + base as u32 };
@@ -204,13 +206,13 @@ impl Bvh {
         Self { nodes, root }
     }
 
-    /// Bytes.
+    /// Memory that it holds, bytes.
     pub fn bytes(&self) -> u64 {
         (self.nodes.len() * std::mem::size_of::<Node>()) as u64
     }
 
-    /// Shows `visit` all things that a ray may meet before `limit`, near ones first as far as boxes tell; it returns the new
-    /// limit. A negative one ends the walk.
+    /// Calls `visit` for all things whose boxes a ray meets before `limit`, nearer boxes first; `visit` returns the new limit. A negative
+    /// limit ends the traversal. Returns the last limit.
     #[inline]
     pub fn walk(
         &self,
@@ -264,7 +266,7 @@ impl Bvh {
     }
 }
 
-/// Ten bits of each coordinate (0..1024), interleaved.
+/// Morton code: ten bits of each coordinate (0..1024), interleaved.
 fn morton(p: Vec3A) -> u32 {
     let spread = |x: f32| {
         let mut x = x.clamp(0.0, 1023.0) as u32;
@@ -305,8 +307,9 @@ fn binary(boxes: &[Aabb]) -> Bvh2 {
     tree
 }
 
-/// Appends the nodes of four of a binary tree to `nodes`, the root first; `leaf` gives a thing's child. Returns the whole box.
-fn fold(tree: &Bvh2, nodes: &mut Vec<Node>, leaf: impl Fn(u32) -> u32) -> Aabb {
+/// Collapses a binary tree into nodes of four, which are appended to `nodes`, the root first: of a node's children, that with the largest
+/// box is opened until there are four. `leaf` gives the child for a thing. Returns the box around everything.
+fn collapse(tree: &Bvh2, nodes: &mut Vec<Node>, leaf: impl Fn(u32) -> u32) -> Aabb {
     let thing = |i: u32| leaf(tree.primitive_indices[tree.nodes[i as usize].first_index as usize]);
     let first = nodes.len() as u32;
     nodes.push(Node::EMPTY);

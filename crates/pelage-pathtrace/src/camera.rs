@@ -1,4 +1,4 @@
-//! Rays from the camera: through a point of the pixel's filter and a point of the lens.
+//! Rays from the camera: through a point of the pixel, drawn by its filter, and a point of the lens.
 
 use super::bvh::{Bounds, Ray};
 use glam::{Vec2, Vec3, Vec3A};
@@ -11,40 +11,42 @@ use std::f32::consts::TAU;
 /// Steps of the filter's table.
 const STEPS: usize = 512;
 
-/// Draws offsets in proportion to a filter's absolute value along one axis.
+/// Draws offsets along one axis in proportion to the absolute value of the reconstruction filter.
+// [Ernst2006] filter importance sampling
 #[derive(Debug, Clone)]
-struct Taps {
+struct FilterSampler {
+    /// Pixels.
     radius: f32,
-    /// Running sums, 0 to 1.
+    /// Cumulative distribution, 0 to 1.
     sums: Vec<f32>,
-    /// Weight of a sample in each step: the filter there over its density.
+    /// Weight of a sample in each step: the filter's value over the density.
     weights: Vec<f32>,
 }
 
-/// The view, ready to make rays.
+/// A camera that makes rays.
 #[derive(Debug, Clone)]
 pub struct View {
     frame: Frame,
-    /// Aperture (cm) and distance in focus (cm), if there is a lens.
+    /// Diameter of the aperture (cm) and focus distance (cm), if there is a lens.
     lens: Option<(f32, f32)>,
-    taps: Taps,
+    filter: FilterSampler,
     bounds: Bounds,
 }
 
 /// A ray from the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraRay {
-    /// Starts where it comes near the scene, so that its points are as exact as those of rays within.
+    /// Starts where it comes near the scene, so that points on it are as exact as those of rays within.
     pub ray: Ray,
-    /// Depth at its start, cm along the viewing direction.
+    /// Depth of its start, cm along the viewing direction.
     pub depth: f32,
-    /// Change of the depth per length.
+    /// Change of depth per length of the ray.
     pub depth_rate: f32,
-    /// Of the pixel's filter; negative in the outer lobes of some.
+    /// Weight by the pixel's filter; negative in the outer lobes of some.
     pub weight: f32,
 }
 
-impl Taps {
+impl FilterSampler {
     fn new(scene: &Scene) -> Self {
         let kind = scene.film.filter;
         let radius = scene.film.filter_radius.unwrap_or_else(|| filter::usual_radius(kind));
@@ -65,7 +67,7 @@ impl Taps {
         Self { radius, sums, weights }
     }
 
-    /// Offset from the pixel's centre, pixels, and weight.
+    /// Offset from the pixel's centre, pixels, and the sample's weight, for a number in 0..1.
     fn draw(&self, u: f32) -> (f32, f32) {
         let i = (self.sums.partition_point(|s| *s <= u).saturating_sub(1)).min(STEPS - 1);
         let width = self.sums[i + 1] - self.sums[i];
@@ -83,13 +85,13 @@ impl View {
             let distance = Vec3::from(scene.camera.target).distance(Vec3::from(scene.camera.eye));
             (l.aperture, l.focus.unwrap_or(distance).max(1e-3))
         });
-        Self { frame, lens, taps: Taps::new(scene), bounds }
+        Self { frame, lens, filter: FilterSampler::new(scene), bounds }
     }
 
-    /// The ray of a pixel for two numbers on the filter and two on the lens, 0..1.
+    /// The ray of a pixel, for two numbers that draw from the filter and two that draw from the lens, each in 0..1.
     pub fn ray(&self, pixel: [u32; 2], u: [f32; 4]) -> CameraRay {
-        let (x, wx) = self.taps.draw(u[0]);
-        let (y, wy) = self.taps.draw(u[1]);
+        let (x, wx) = self.filter.draw(u[0]);
+        let (y, wy) = self.filter.draw(u[1]);
         let mut frame = self.frame;
         if let Some((aperture, focus)) = self.lens {
             let offset = Vec2::from_angle(TAU * u[3]) * (0.5 * aperture * u[2].sqrt());
@@ -138,12 +140,12 @@ mod tests {
         for kind in [Filter::Box, Filter::Triangle, Filter::Gaussian, Filter::Mitchell] {
             let mut scene = Scene::default();
             scene.film.filter = kind;
-            let taps = Taps::new(&scene);
+            let sampler = FilterSampler::new(&scene);
             let radius = f64::from(filter::usual_radius(kind));
             let n = 200_000;
             let (mut sums, mut wanted) = ([0f64; 3], [0f64; 3]);
             for i in 0..n {
-                let (x, w) = taps.draw((i as f32 + 0.5) / n as f32);
+                let (x, w) = sampler.draw((i as f32 + 0.5) / n as f32);
                 let at = (f64::from(i) + 0.5) / f64::from(n) * 2.0 * radius - radius;
                 let f = filter::weight_1d(kind, radius, at);
                 for (k, (sum, want)) in sums.iter_mut().zip(&mut wanted).enumerate() {

@@ -1,16 +1,16 @@
-//! Running means of samples, kept in single precision so that a file holds them to the last bit and a rendering goes on from it
-//! as if it had never stopped.
+//! Running means of samples. They are kept in single precision: a file holds them exactly, and a rendering resumes from it as if it had
+//! never stopped.
 
-use super::integrator::{BASE, Seen};
+use super::integrator::{BASE, PixelSample};
 use glam::Vec3;
 use pelage_core::film::Film;
 use pelage_core::film::tonemap::luminance;
 
-/// Running means of a pixel, by plane.
+/// Running means of a pixel, one for each of [`STATE`].
 pub type Means = [f32; STATE.len()];
 
-/// The planes that are kept: radiance and alpha of both halves, the parts by what was hit first, the skin's normal, alpha times
-/// depth (cm), the square of the luminance.
+/// Names of the planes: radiance and alpha of each half of the samples, radiance by what was hit first, the skin's normal, alpha times
+/// depth (cm), and the square of the luminance.
 pub const STATE: [&str; 22] = [
     "half0.R",
     "half0.G",
@@ -36,24 +36,24 @@ pub const STATE: [&str; 22] = [
     "luminance.square",
 ];
 
-/// The means of all pixels, and how many samples are in them.
+/// The means of all pixels and their number of samples.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Accumulator {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// Samples a pixel, always even: both halves have as many.
+    /// Samples per pixel, always even: both halves have the same number.
     pub samples: u32,
     /// Row by row.
     pub pixels: Vec<Means>,
 }
 
 /// Adds sample `index` to the means of a pixel.
-pub fn add(means: &mut Means, index: u32, seen: &Seen) {
+pub fn add(means: &mut Means, index: u32, sample: &PixelSample) {
     let mut step = |k: usize, inverse: f32, value: f32| means[k] += (value - means[k]) * inverse;
-    let color = seen.weight * seen.radiance;
-    let alpha = if seen.layer.is_some() { seen.weight } else { 0.0 };
+    let color = sample.weight * sample.radiance;
+    let alpha = if sample.layer.is_some() { sample.weight } else { 0.0 };
     let half = (index & 1) as usize;
     let of_half = 1.0 / ((index >> 1) + 1) as f32;
     for (k, value) in [color.x, color.y, color.z, alpha].into_iter().enumerate() {
@@ -61,11 +61,11 @@ pub fn add(means: &mut Means, index: u32, seen: &Seen) {
     }
     let of_all = 1.0 / (index + 1) as f32;
     for layer in 0..=BASE {
-        let part = if seen.layer == Some(layer) { color } else { Vec3::ZERO };
+        let part = if sample.layer == Some(layer) { color } else { Vec3::ZERO };
         (0..3).for_each(|c| step(8 + 3 * layer + c, of_all, part[c]));
     }
-    (0..3).for_each(|c| step(17 + c, of_all, seen.weight * seen.normal[c]));
-    step(20, of_all, alpha * seen.depth);
+    (0..3).for_each(|c| step(17 + c, of_all, sample.weight * sample.normal[c]));
+    step(20, of_all, alpha * sample.depth);
     step(21, of_all, luminance(color).powi(2));
 }
 
@@ -76,8 +76,9 @@ impl Accumulator {
         Self { width, height, samples: 0, pixels }
     }
 
-    /// Mean of `(h0 - h1)² / 4 / (m² + 0.01)` over pixels and channels, with the halves' means h0, h1 and their mean m: the
-    /// relative mean squared error of m that [`pelage_studies::compare`] would find against the truth. Infinite without samples.
+    /// Mean of `(h0 - h1)² / 4 / (m² + 0.01)` over pixels and channels, with the means h0, h1 of the halves and their mean m: an estimate
+    /// of the relative mean squared error of m against the truth, as `pelage compare` measures it. Infinite without samples.
+    // [Rousselle2011] sec. 3.1, for the relative error
     pub fn error(&self) -> f64 {
         if self.samples == 0 {
             return f64::INFINITY;
@@ -94,8 +95,8 @@ impl Accumulator {
         self.pixels.iter().map(of_pixel).sum::<f64>() / (3 * self.pixels.len()) as f64
     }
 
-    /// The image: `R G B A`, the planes of [`STATE`], `depth.Z`, and `variance.Y`, the variance of the mean of the luminance for
-    /// samples that are independent of each other (those of a sequence are a little better).
+    /// The image: `R G B A`, the planes of [`STATE`], `depth.Z`, and `variance.Y`, the variance of the mean luminance if samples were
+    /// independent (those of a low-discrepancy sequence do slightly better).
     pub fn film(&self) -> Film {
         let mut film = Film { width: self.width, height: self.height, planes: Vec::new() };
         let plane = |value: &dyn Fn(&Means) -> f32| self.pixels.iter().map(value).collect::<Vec<f32>>();
@@ -125,7 +126,7 @@ impl Accumulator {
         film
     }
 
-    /// The means that a film of [`Accumulator::film`] holds; `None` if a plane is missing.
+    /// The means that a film from [`Accumulator::film`] holds; `None` if a plane is missing.
     pub fn from_film(film: &Film, samples: u32) -> Option<Self> {
         let mut all = Self::new(film.width, film.height);
         all.samples = samples;

@@ -1,8 +1,9 @@
-//! What is traced: the skin's triangles and the hairs' segments, each in a hierarchy of its own.
+//! What rays meet: the skin's triangles and the hairs' segments, each in a hierarchy of its own.
 
 use super::{
-    bvh::{self, Bounds, Bvh, Part, Ray, Stack},
+    bvh::{Bounds, Bvh, Part, Ray, Stack},
     curve::{self, Cone, Span},
+    segments::{check, mark_ends, part_bounds},
     strands::Strands,
 };
 use glam::{Vec2, Vec3, Vec3A, Vec4};
@@ -13,11 +14,10 @@ use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
 use pelage_fur::random::{hash2, random};
-use rayon::prelude::*;
 
-/// Hairs of a layer, without their points.
+/// Hairs of a layer, whose points are in [`Geometry::points`].
 #[derive(Debug, Clone)]
-struct Coat {
+struct HairLayer {
     strands: Strands,
     fibre: Fibre,
     /// Number of the first point.
@@ -26,9 +26,9 @@ struct Coat {
 
 /// Skin and hairs.
 pub struct Geometry {
-    /// All hairs' points: position and radius; the sign of the radius is set where no joint is.
+    /// Points of all hairs: position and radius, cm. The radius is negative where no joint is.
     points: Vec<Vec4>,
-    coats: Vec<Coat>,
+    layers: Vec<HairLayer>,
     hair: Bvh,
     skin: Skin,
     triangles: Bvh,
@@ -36,24 +36,24 @@ pub struct Geometry {
     bounds: Bounds,
 }
 
-/// A hair that a ray comes to.
+/// Where a ray meets a hair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HairHit {
     /// Number of the segment's first point.
     point: u32,
     /// Unit, from root to tip.
     pub axis: Vec3A,
-    /// On the axis, beside the place where the ray comes in.
+    /// Point of the axis nearest to where the ray enters, cm.
     pub position: Vec3A,
-    /// Place along the segment, 0..1.
+    /// Position along the segment, 0..1.
     along: f32,
-    /// cm.
+    /// Radius there, cm.
     pub radius: f32,
-    /// Offset across in radii, as [`pelage_fur::fibre::Hit::h`].
+    /// Offset across the hair in radii, as [`pelage_fur::fibre::Hit::h`].
     pub h: f32,
 }
 
-/// Skin that a ray comes to.
+/// Where a ray meets the skin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SkinHit {
     triangle: u32,
@@ -63,7 +63,7 @@ pub struct SkinHit {
     pub front: bool,
 }
 
-/// What a ray comes to first.
+/// The nearest thing that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hit {
     /// A hair.
@@ -72,47 +72,56 @@ pub enum Hit {
     Skin(SkinHit),
 }
 
-/// What a ray leaves. A ray that leaves a hair starts on its axis. It meets the same hair again only where it comes in through the
-/// side after it has gone out, that is beyond the radius over the sine of its angle to the axis.
+/// The hair that a ray leaves, if any.
+///
+/// Such a ray starts on the hair's axis. It can meet the same hair again only where it enters through its side after having left it:
+/// farther away than the radius over the sine of the angle between ray and axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RayOrigin {
+    /// Range of the hair's points.
     first: u32,
     end: u32,
+    /// Distance before which the hair is not met, cm.
     clear: f32,
 }
 
-/// Shading data of a hair.
+/// Shading data of a hair where it is met.
 #[derive(Debug, Clone, Copy)]
-pub struct Shaded<'a> {
-    /// Which coat.
+pub struct HairShading<'a> {
+    /// Its layer.
     pub layer: Layer,
-    /// Its scattering.
+    /// Its scattering model.
     pub fibre: &'a Fibre,
-    /// Colour and glints; `h` as hit.
+    /// Colour, glints and offset.
     pub hit: pelage_fur::fibre::Hit,
 }
 
-/// Most parts that a segment's box is cut into where the segment lies across the axes.
-const MOST_PARTS: f32 = 4.0;
-
-/// Sharper bends than a right angle get square ends.
-const SHARPEST: f32 = 0.0;
+/// Shading data of the skin where it is met.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct SkinShading {
+    /// Diffuse reflectance, linear RGB in 0..1.
+    pub reflectance: Vec3,
+    /// Smoothed normal, unit.
+    pub normal: Vec3,
+    /// Normal of the triangle, unit.
+    pub geometric_normal: Vec3,
+}
 
 impl Geometry {
-    /// Takes the skin of `world` and hairs with their scattering.
+    /// Builds the hierarchies over the skin of `world` and over `layers` of hairs, each with its scattering model.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where a coat's points, hairs and opacities do not fit each other, or there are more than 2³¹ points.
-    pub fn new(world: &World, coats: Vec<(Strands, Fibre)>) -> Result<Self> {
+    /// [`Error::Unsupported`] where a layer's points, hairs and opacities do not fit each other, or there are 2³¹ points or more.
+    pub fn new(world: &World, layers: Vec<(Strands, Fibre)>) -> Result<Self> {
         let mut points: Vec<Vec4> = Vec::new();
         let mut kept = Vec::new();
         let mut parts: Vec<Part> = Vec::new();
-        for (mut strands, fibre) in coats {
+        for (mut strands, fibre) in layers {
             check(&strands)?;
             let first = points.len() as u64;
             if first + strands.points.len() as u64 >= 1 << 31 {
                 return Err(Error::Unsupported(
-                    "there are more than 2^31 points of hairs: trace a patch".into(),
+                    "found 2^31 points of hairs or more, expected fewer: trace a part of the fur with --patch".into(),
                 ));
             }
             let mut own = std::mem::take(&mut strands.points);
@@ -122,15 +131,15 @@ impl Geometry {
             } else {
                 points.append(&mut own);
             }
-            kept.push(Coat { strands, fibre, first: first as u32 });
+            kept.push(HairLayer { strands, fibre, first: first as u32 });
         }
         parts.shrink_to_fit();
-        let hair = Bvh::build(parts, |part| segment_bounds(&points, part));
+        let hair = Bvh::build(parts, |part| part_bounds(&points, part));
         let skin = world.skin.clone();
         let all = (0..skin.triangles.len() as u32).map(|thing| Part { thing, part: 0, parts: 1 }).collect();
         let triangles = Bvh::build(all, |part| {
             let corners = skin.corners(part.thing as usize).map(Vec3A::from);
-            // Boxes without thickness are missed by rays that rounding bends.
+            // Rounding would let rays miss boxes without thickness.
             let pad = Vec3A::splat(1e-5);
             Bounds {
                 low: corners[0].min(corners[1]).min(corners[2]) - pad,
@@ -146,7 +155,7 @@ impl Geometry {
             });
         Ok(Self {
             points,
-            coats: kept,
+            layers: kept,
             hair,
             skin,
             triangles,
@@ -160,19 +169,20 @@ impl Geometry {
         self.bounds
     }
 
-    /// Bytes that are kept.
+    /// Memory that it holds, bytes.
     pub fn bytes(&self) -> u64 {
-        let hairs: usize = self.coats.iter().map(|c| std::mem::size_of_val(&c.strands.hairs[..])).sum();
+        let hairs: usize = self.layers.iter().map(|c| std::mem::size_of_val(&c.strands.hairs[..])).sum();
         (std::mem::size_of_val(&self.points[..]) + hairs) as u64 + self.hair.bytes() + self.triangles.bytes()
     }
 
-    /// What a ray comes to first, and how far away it is. `word` decides by chance which half-opaque hairs let it through.
+    /// The nearest thing that a ray meets, and its distance, cm. `word` is the random word that decides which translucent hairs let the
+    /// ray pass.
     pub fn closest(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> Option<(Hit, f32)> {
         let skin = self.closest_skin(ray, stack);
         let limit = skin.map_or(f32::INFINITY, |(_, t)| t);
         let mut best: Option<(u32, Cone, Span)> = None;
         let reached = self.hair.walk(ray, limit, stack, |point, limit| {
-            match self.meet(ray, point, from, word, limit) {
+            match self.intersect_segment(ray, point, from, word, limit) {
                 Some((t, cone, span)) => {
                     best = Some((point, cone, span));
                     t
@@ -186,11 +196,11 @@ impl Geometry {
         Some((Hit::Hair(HairHit { point, axis: cone.axis, position, along, radius, h }), reached))
     }
 
-    /// The skin that a ray comes to first, and how far away it is.
+    /// Where a ray first meets the skin, and the distance, cm.
     pub fn closest_skin(&self, ray: &Ray, stack: &mut Stack) -> Option<(SkinHit, f32)> {
         let mut best = None;
         let t = self.triangles.walk(ray, f32::INFINITY, stack, |triangle, limit| {
-            match self.meet_triangle(ray, triangle, limit) {
+            match self.intersect_triangle(ray, triangle, limit) {
                 Some((t, hit)) => {
                     best = Some(hit);
                     t
@@ -201,23 +211,23 @@ impl Geometry {
         best.map(|hit| (hit, t))
     }
 
-    /// Whether anything stands in the way of a ray to infinity.
+    /// Whether anything blocks a ray of unbounded length; `word` as in [`Geometry::closest`].
     pub fn blocked(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> bool {
         let skin = self.triangles.walk(ray, f32::INFINITY, stack, |triangle, limit| {
-            self.meet_triangle(ray, triangle, limit).map_or(limit, |_| -1.0)
+            self.intersect_triangle(ray, triangle, limit).map_or(limit, |_| -1.0)
         });
         skin < 0.0
             || self.hair.walk(ray, f32::INFINITY, stack, |point, limit| {
-                self.meet(ray, point, from, word, limit).map_or(limit, |_| -1.0)
+                self.intersect_segment(ray, point, from, word, limit).map_or(limit, |_| -1.0)
             }) < 0.0
     }
 
     /// Where a ray meets the segment that starts at `point`, before `limit`.
     ///
-    /// A ray that starts within another hair meets it if the axis is still ahead, and at once: so the number of hairs met on a way
-    /// is that of the axes passed, whether hairs overlap or not.
+    /// A ray that starts inside another hair meets that hair at once if its axis is still ahead. So the number of hairs that a ray meets is
+    /// the number of axes that it passes, whether hairs overlap or not.
     #[inline]
-    fn meet(
+    fn intersect_segment(
         &self,
         ray: &Ray,
         point: u32,
@@ -226,10 +236,10 @@ impl Geometry {
         limit: f32,
     ) -> Option<(f32, Cone, Span)> {
         let [a, b] = [self.points[point as usize], self.points[point as usize + 1]];
-        if curve::passes(ray, Vec3A::from_vec4(a), Vec3A::from_vec4(b), a.w.abs().max(b.w.abs())) {
+        if curve::misses(ray, Vec3A::from_vec4(a), Vec3A::from_vec4(b), a.w.abs().max(b.w.abs())) {
             return None;
         }
-        let cone = Cone::new(Vec3A::from_vec4(a), Vec3A::from_vec4(b), [a.w.abs(), b.w.abs()])?;
+        let cone = Cone::of_segment(a, b)?;
         let span = cone.span(ray.origin, ray.direction)?;
         if span.exit <= 0.0 || span.enter >= limit {
             return None;
@@ -249,6 +259,7 @@ impl Geometry {
         (self.opaque(point, &cone, &span, ray, t, word)).then_some((t, cone, span))
     }
 
+    /// Normals of the planes that bound a segment: halfway between the axes at a joint, the axis at an end. Not normalised.
     #[inline]
     fn normals(&self, point: u32, axis: Vec3A) -> [Vec3A; 2] {
         let at = point as usize;
@@ -263,26 +274,28 @@ impl Geometry {
         [joined(at, at.saturating_sub(1)), joined(at + 1, at + 1)]
     }
 
-    /// Whether a hair that may be half opaque stops a ray. The same for all segments of a hair, so that joints do not count twice.
+    /// Whether a hair that may be translucent stops a ray. One random number decides for the whole hair, so that joints do not count
+    /// twice.
     #[inline]
     fn opaque(&self, point: u32, cone: &Cone, span: &Span, ray: &Ray, t: f32, word: u32) -> bool {
-        let coat = self.coat(point);
-        if coat.strands.opacity.is_empty() {
+        let layer = self.layer_of(point);
+        if layer.strands.opacity.is_empty() {
             return true;
         }
-        let (strand, segment) = coat.place(point);
+        let (strand, segment) = layer.place(point);
         let (along, _, _) = cone.place(span, ray.direction, t);
-        let [a, b] = [coat.strands.opacity[segment], coat.strands.opacity[segment + 1]];
-        random(hash2(word, coat.first), strand as u32) < a + (b - a) * along
+        let [a, b] = [layer.strands.opacity[segment], layer.strands.opacity[segment + 1]];
+        random(hash2(word, layer.first), strand as u32) < a + (b - a) * along
     }
 
     #[inline]
-    fn coat(&self, point: u32) -> &Coat {
-        let later = self.coats[1..].iter().rev().find(|c| point >= c.first);
-        later.unwrap_or(&self.coats[0])
+    fn layer_of(&self, point: u32) -> &HairLayer {
+        let later = self.layers[1..].iter().rev().find(|c| point >= c.first);
+        later.unwrap_or(&self.layers[0])
     }
 
-    fn meet_triangle(&self, ray: &Ray, triangle: u32, limit: f32) -> Option<(f32, SkinHit)> {
+    // [MollerTrumbore1997]
+    fn intersect_triangle(&self, ray: &Ray, triangle: u32, limit: f32) -> Option<(f32, SkinHit)> {
         let [a, b, c] = self.skin.corners(triangle as usize).map(Vec3A::from);
         let (e1, e2) = (b - a, c - a);
         let p = ray.direction.cross(e2);
@@ -300,34 +313,34 @@ impl Geometry {
         met.then_some((t, SkinHit { triangle, lambda: [u, v], front: determinant > 0.0 }))
     }
 
-    /// What a hair looks like where it is hit.
-    pub fn shaded(&self, hit: &HairHit) -> Shaded<'_> {
-        let coat = self.coat(hit.point);
-        let (strand, segment) = coat.place(hit.point);
-        let s = (segment as f32 + hit.along) / coat.strands.segments as f32;
-        Shaded {
-            layer: coat.strands.layer,
-            fibre: &coat.fibre,
+    /// Shading data of a hair where it is met.
+    pub fn hair_shading(&self, hit: &HairHit) -> HairShading<'_> {
+        let layer = self.layer_of(hit.point);
+        let (strand, segment) = layer.place(hit.point);
+        let s = (segment as f32 + hit.along) / layer.strands.segments as f32;
+        HairShading {
+            layer: layer.strands.layer,
+            fibre: &layer.fibre,
             hit: pelage_fur::fibre::Hit {
-                tint: coat.strands.color(strand, s),
-                glint_angle: coat.strands.hairs[strand].glint_angle,
+                tint: layer.strands.color(strand, s),
+                glint_angle: layer.strands.hairs[strand].glint_angle,
                 h: hit.h,
             },
         }
     }
 
-    /// What a ray along `direction` leaves that starts at a hit hair's axis.
-    pub fn departure(&self, hit: &HairHit, direction: Vec3A) -> RayOrigin {
-        let coat = self.coat(hit.point);
-        let (strand, segment) = coat.place(hit.point);
+    /// Origin of a ray along `direction` (unit) that leaves a hair which another ray has met.
+    pub fn origin_on_hair(&self, hit: &HairHit, direction: Vec3A) -> RayOrigin {
+        let layer = self.layer_of(hit.point);
+        let (strand, segment) = layer.place(hit.point);
         let first = hit.point - segment as u32;
-        debug_assert_eq!(first, coat.first + (strand * (coat.strands.segments + 1)) as u32);
+        debug_assert_eq!(first, layer.first + (strand * (layer.strands.segments + 1)) as u32);
         let sin = (1.0 - direction.dot(hit.axis).powi(2)).max(1e-6).sqrt();
-        RayOrigin { first, end: first + coat.strands.segments as u32 + 1, clear: 1.01 * hit.radius / sin }
+        RayOrigin { first, end: first + layer.strands.segments as u32 + 1, clear: 1.01 * hit.radius / sin }
     }
 
-    /// Reflectance, smoothed normal and geometric normal of the skin where it is hit.
-    pub fn skin(&self, hit: &SkinHit) -> (Vec3, Vec3, Vec3) {
+    /// Shading data of the skin where it is met.
+    pub fn skin_shading(&self, hit: &SkinHit) -> SkinShading {
         let corners = self.skin.triangles[hit.triangle as usize].map(|v| v as usize);
         let [l1, l2] = hit.lambda;
         let weights = [1.0 - l1 - l2, l1, l2];
@@ -342,127 +355,20 @@ impl Geometry {
         let maps = Maps { groom: &self.groom.groom, texels: &self.groom.texels };
         let reflectance = maps.color(Parameter::BaseColor, &SkinPoint { position, normal, uv, color });
         let [a, b, c] = self.skin.corners(hit.triangle as usize);
-        let flat = (b - a).cross(c - a).normalize_or(normal);
-        (reflectance.clamp(Vec3::ZERO, Vec3::ONE), normal, flat)
+        SkinShading {
+            reflectance: reflectance.clamp(Vec3::ZERO, Vec3::ONE),
+            normal,
+            geometric_normal: (b - a).cross(c - a).normalize_or(normal),
+        }
     }
 }
 
-impl Coat {
-    /// Hair and segment of a point.
+impl HairLayer {
+    /// Hair and segment that a point begins.
     #[inline]
     fn place(&self, point: u32) -> (usize, usize) {
         let stride = self.strands.segments as u32 + 1;
         let at = point - self.first;
         ((at / stride) as usize, (at % stride) as usize)
     }
-}
-
-fn check(strands: &Strands) -> Result<()> {
-    let points = (strands.segments + 1) * strands.hairs.len();
-    let fits = (1..=64).contains(&strands.segments)
-        && strands.points.len() == points
-        && (strands.opacity.is_empty() || strands.opacity.len() == strands.segments + 1)
-        && strands.points.iter().all(|p| p.is_finite());
-    if fits {
-        return Ok(());
-    }
-    Err(Error::Unsupported(format!(
-        "{:?} hairs: {} hairs of {} segments (1 to 64) with {} points, expected {points} finite ones; {} opacities, expected none or {}",
-        strands.layer,
-        strands.hairs.len(),
-        strands.segments,
-        strands.points.len(),
-        strands.opacity.len(),
-        strands.segments + 1
-    )))
-}
-
-/// Sets the sign of the radius where a point is no joint, and lists the parts of the segments that are there.
-fn mark_ends(strands: &Strands, points: &mut [Vec4], first: u32, parts: &mut Vec<Part>) {
-    let stride = strands.segments + 1;
-    parts.reserve(points.len());
-    for (i, hair) in strands.hairs.iter().enumerate() {
-        let own = &mut points[i * stride..][..stride];
-        let mut before: Option<Vec3A> = None;
-        for k in 0..stride {
-            let segment = (k < strands.segments && hair.present & (1 << k) != 0)
-                .then(|| {
-                    let (a, b) = (own[k], own[k + 1]);
-                    Cone::new(Vec3A::from_vec4(a), Vec3A::from_vec4(b), [a.w.abs(), b.w.abs()])
-                })
-                .flatten();
-            let joint = before.zip(segment).is_some_and(|(a, s)| a.dot(s.axis) > SHARPEST);
-            let radius = own[k].w.abs();
-            own[k].w = if joint { radius } else { -radius };
-            before = segment.map(|s| s.axis);
-            if let Some(cone) = segment {
-                let count = pieces(&cone);
-                let thing = first + (i * stride + k) as u32;
-                parts.extend((0..count).map(|part| Part { thing, part, parts: count }));
-            }
-        }
-    }
-}
-
-/// How many boxes hold a segment well: one along the axes, more across them.
-fn pieces(cone: &Cone) -> u16 {
-    let across = (cone.axis.abs() * cone.length).to_array();
-    let [a, b, c] = across;
-    let second = a.max(b).min(a.max(c)).min(b.max(c));
-    (second / (12.0 * cone.radius.max(1e-6))).clamp(1.0, MOST_PARTS) as u16
-}
-
-/// Box around a part of a segment, a little larger than rounding can move it.
-fn segment_bounds(points: &[Vec4], part: Part) -> Bounds {
-    let at = part.thing as usize;
-    let (a, b) = (points[at], points[at + 1]);
-    let (start, end) = (Vec3A::from_vec4(a), Vec3A::from_vec4(b));
-    let axis = (end - start).normalize_or_zero();
-    let bend = |joint: usize, other: usize| {
-        if points[joint].w.is_sign_negative() {
-            return 0.0;
-        }
-        let next =
-            (Vec3A::from_vec4(points[other + 1]) - Vec3A::from_vec4(points[other])).normalize_or_zero();
-        let cos = axis.dot(next).clamp(0.0, 1.0);
-        ((1.0 - cos) / (1.0 + cos)).sqrt()
-    };
-    let (from, to) =
-        (f32::from(part.part) / f32::from(part.parts), f32::from(part.part + 1) / f32::from(part.parts));
-    let disc = |s: f32, bend: f32| {
-        let radius = a.w.abs() + (b.w.abs() - a.w.abs()) * s;
-        (start.lerp(end, s), curve::extent(axis, radius * (1.0 + bend), bend))
-    };
-    let (p, p_extent) = disc(from, if part.part == 0 { bend(at, at.saturating_sub(1)) } else { 0.0 });
-    let (q, q_extent) = disc(to, if part.part + 1 == part.parts { bend(at + 1, at + 1) } else { 0.0 });
-    let pad = 4e-7 * (p.abs().max(q.abs()).max_element() + 1.0);
-    Bounds { low: (p - p_extent).min(q - q_extent) - pad, high: (p + p_extent).max(q + q_extent) + pad }
-}
-
-/// Parts of a segment to reckon with before it has grown.
-pub const USUAL_PARTS: u64 = 3;
-
-/// Bytes that hairs of `segments` segments in all take while the hierarchy over their parts is built, which is the most.
-pub fn bytes(hairs: u64, segments: u64, parts: u64) -> u64 {
-    hairs * std::mem::size_of::<super::strands::Hair>() as u64
-        + (segments + hairs) * 16
-        + parts * bvh::BYTES_A_PART
-        + bvh::BYTES_MORE
-}
-
-/// [`bytes`] of hairs that have grown.
-pub fn bytes_of(strands: &Strands) -> u64 {
-    let stride = strands.segments + 1;
-    let of_hair = |points: &[Vec4]| -> u64 {
-        points
-            .windows(2)
-            .filter_map(|p| {
-                Cone::new(Vec3A::from_vec4(p[0]), Vec3A::from_vec4(p[1]), [p[0].w.abs(), p[1].w.abs()])
-            })
-            .map(|cone| u64::from(pieces(&cone)))
-            .sum()
-    };
-    let parts = strands.points.par_chunks(stride).map(of_hair).sum();
-    let hairs = strands.hairs.len() as u64;
-    bytes(hairs, hairs * strands.segments as u64, parts)
 }

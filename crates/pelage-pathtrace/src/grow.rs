@@ -1,6 +1,7 @@
-//! Strands from a world, without a GPU: the guard hairs that the renderer draws, and the undercoat's volume realised as hairs.
+//! Grows the strands of a world without a GPU: the guard hairs that the renderer draws, and the undercoat's volume realised as hairs.
 
 use super::guard;
+use super::memory::gib;
 use super::strands::{Hair, Strands};
 use super::undercoat::Grower;
 use glam::{Vec3, Vec4};
@@ -11,12 +12,12 @@ use pelage_fur::random::{R2_STEPS, even_barycentric};
 use pelage_fur::shell::Shell;
 use pelage_fur::shell_prisms::shell_of;
 
-/// A ball that chooses hairs by their roots.
+/// A ball that selects hairs by their roots.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Patch {
-    /// World space, cm.
+    /// Centre, world space, cm.
     pub centre: Vec3,
-    /// cm.
+    /// Radius, cm.
     pub radius: f32,
 }
 
@@ -26,7 +27,7 @@ impl Patch {
         p.distance_squared(self.centre) <= self.radius * self.radius
     }
 
-    /// Whether a triangle may hold roots in the patch: false only where it surely does not.
+    /// Whether a triangle may hold roots in the patch; false only where it surely holds none.
     pub(super) fn reaches(&self, shell: &Shell, prism: u32) -> bool {
         let corners = corners(shell, prism);
         let low = corners.into_iter().reduce(Vec3::min).unwrap_or_default();
@@ -37,7 +38,7 @@ impl Patch {
         nearest.distance(self.centre) <= self.radius + margin
     }
 
-    /// Part of a triangle's area that lies in the patch, from 256 even points where the border crosses it.
+    /// Share of a triangle's area that lies in the patch, from 256 evenly spread points where its border crosses the triangle.
     fn share(&self, shell: &Shell, prism: u32) -> f64 {
         const POINTS: u32 = 256;
         if !self.reaches(shell, prism) {
@@ -69,9 +70,9 @@ fn even_lambda(k: u32) -> Vec3 {
 /// What to grow.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GrowOptions {
-    /// Only hairs with their roots in here; none: all.
+    /// Only hairs with their roots in this ball; all hairs without one.
     pub patch: Option<Patch>,
-    /// Segments of an undercoat hair, 1..=64. Guard hairs have the scene's.
+    /// Segments of an undercoat hair, 1..=64. Guard hairs have as many as the scene says.
     pub undercoat_segments: u32,
 }
 
@@ -101,16 +102,16 @@ impl GrowOptions {
     }
 }
 
-/// How much [`grow`] will make, within some per cent.
+/// How many hairs [`grow`] will make, within a few per cent.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Estimate {
-    /// Guard hairs; where a map thins them out, fewer.
+    /// Guard hairs; there are fewer where a map thins them out.
     pub guard_hairs: u64,
-    /// Undercoat hairs of which any segment is there.
+    /// Undercoat hairs that have any segment.
     pub undercoat_hairs: u64,
-    /// Segments of all hairs, those left out included.
+    /// Segments of all hairs, including absent ones of the undercoat.
     pub segments: u64,
-    /// Bytes of the points and hairs. While they are grown, up to twice as much is in use.
+    /// Memory of points and hairs, bytes. While they grow, up to twice as much is in use.
     pub bytes: u64,
 }
 
@@ -122,15 +123,14 @@ impl Estimate {
         self.bytes = self.bytes.saturating_add(hairs.saturating_mul(each));
     }
 
-    /// Refuses what takes more than `budget` bytes.
+    /// Checks that the hairs take at most `budget` bytes.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the numbers and what to do.
+    /// [`Error::Usage`] with the numbers and what to do otherwise.
     pub fn check(&self, budget: u64) -> Result<()> {
         if self.bytes <= budget {
             return Ok(());
         }
-        let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
         Err(Error::Usage(format!(
             "found {} guard hairs and {} undercoat hairs, which take about {:.2} GiB as strands, expected at most {:.2} GiB: \
              choose a patch, lower guard.density or undercoat.density, or allow more memory",
@@ -142,7 +142,7 @@ impl Estimate {
     }
 }
 
-/// What [`grow`] would make, in a time that does not depend on the number of hairs: from areas, densities and a sample of the hairs.
+/// Estimates what [`grow`] will make, from areas, densities and a sample of the hairs; the time does not depend on their number.
 ///
 /// # Errors
 /// [`Error::Usage`] for options out of range; as [`groom::pack`].
@@ -164,14 +164,14 @@ pub fn estimate(world: &World, options: &GrowOptions) -> Result<Estimate> {
     }
     if groom::has_undercoat(&world.scene) {
         let grower = grower(world, &packed, &shell, options);
-        let hairs = area * grower.most() * survivors(&grower, &areas, area);
+        let hairs = area * grower.candidate_density() * survivors(&grower, &areas, area);
         estimate.undercoat_hairs = hairs.ceil() as u64;
         estimate.add(estimate.undercoat_hairs, u64::from(options.undercoat_segments));
     }
     Ok(estimate)
 }
 
-/// Part of the undercoat's candidates that grow, from a sample by area.
+/// Share of the undercoat's candidates that grow, from a sample that is uniform over the area.
 fn survivors(grower: &Grower<'_>, areas: &[f64], area: f64) -> f64 {
     const SAMPLE: u32 = 2048;
     if area <= 0.0 {
@@ -195,7 +195,8 @@ fn grower<'a>(world: &World, packed: &'a PackedGroom, shell: &'a Shell, options:
     Grower::new(world, packed, shell, options.undercoat_segments, options.patch)
 }
 
-/// Grows the hairs of every layer that the scene renders: guard hairs, then undercoat. The same bytes whatever the number of threads.
+/// Grows the hairs of every layer that the scene renders: guard hairs, then undercoat. The result does not depend on the number of
+/// threads.
 ///
 /// # Errors
 /// [`Error::Usage`] for options out of range; as [`groom::pack`].

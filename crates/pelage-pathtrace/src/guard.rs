@@ -1,4 +1,4 @@
-//! The guard hairs as the renderer draws them, grown by the twins of its shaders.
+//! The guard hairs that the renderer draws, grown by the CPU twins of its shaders.
 
 use super::grow::Patch;
 use super::strands::{Hair, Strands};
@@ -38,7 +38,7 @@ pub(super) fn grow(
             }
             let [l1, l2] = root.lambda;
             let at = skin_point(shell, prism, Vec3::new(1.0 - l1 - l2, l1, l2));
-            // As guard_shade tints its strands.
+            // The variation of colour from strand to strand, as in guard_shade.
             let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
             hairs.push(Hair {
                 color_root: maps.color(Parameter::GuardColorRoot, &at) * tone,

@@ -1,10 +1,14 @@
-//! Radiance along rays: light at the first hit alone, or paths of many scatterings.
+//! Radiance along camera rays: light scattered once at the first hit, or paths of many scatterings.
+//!
+//! At each scattering, lights are sampled directly (next event estimation). Light of the sky is also found by scattered rays that escape;
+//! multiple importance sampling by the balance heuristic joins the two.
+// [VeachGuibas1995] balance heuristic, [ArvoKirk1990] Russian roulette
 
 use super::{
     bvh::{Ray, Stack},
     camera::View,
     curve,
-    geometry::{Geometry, HairHit, Hit, RayOrigin, Shaded, SkinHit},
+    geometry::{Geometry, HairHit, HairShading, Hit, RayOrigin, SkinHit, SkinShading},
     light::Lights,
     random::Numbers,
 };
@@ -27,34 +31,34 @@ pub enum Integrator {
     Path,
 }
 
-/// How light of the sky is found. All three have the same mean.
+/// How light of the sky is sampled. All three have the same mean.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Strategy {
     /// Both, weighted by the balance heuristic.
     Both,
-    /// Directions drawn from the sky.
+    /// Directions drawn in proportion to the sky's luminance.
     Light,
-    /// Directions drawn from the scattering.
+    /// Directions drawn by the scattering models.
     Scattering,
 }
 
-/// Layer of the skin among the contributions; hairs have 0 (guard) and 1 (undercoat).
+/// Number of the skin in [`PixelSample::layer`], where hairs are 0 (guard) and 1 (undercoat).
 pub const BASE: usize = 2;
 
-/// What one sample sees.
+/// What one sample contributes to its pixel.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Seen {
+pub struct PixelSample {
     /// Radiance.
     pub radiance: Vec3,
-    /// What was hit first: guard hair, undercoat, skin.
+    /// What was hit first: 0 guard hair, 1 undercoat, [`BASE`] skin; `None` without a hit.
     pub layer: Option<usize>,
     /// Depth of the first hit, cm along the viewing direction.
     pub depth: f32,
-    /// Smoothed normal of the skin, whatever is before it.
+    /// Smoothed normal of the skin along the camera ray, also where hairs cover it; 0 without skin.
     pub normal: Vec3,
-    /// Weight in the pixel.
+    /// Weight by the pixel's filter.
     pub weight: f32,
-    /// Rays traced.
+    /// Rays traced for it.
     pub rays: u32,
 }
 
@@ -66,148 +70,162 @@ pub struct Tracer {
     pub lights: Lights,
     /// Camera.
     pub view: View,
-    /// How.
+    /// How light is gathered.
     pub integrator: Integrator,
-    /// How light of the sky is found.
+    /// How light of the sky is sampled.
     pub strategy: Strategy,
-    /// Most scatterings of a path.
+    /// Largest number of scatterings of a path.
     pub depth: u32,
     /// Seed of the samples.
     pub seed: u32,
-    /// Pixels of a row.
+    /// Width of the image, pixels.
     pub width: u32,
 }
 
-/// A scattering place.
-enum Place<'a> {
-    Hair(HairHit, Shaded<'a>, [Vec3A; 3], Vec3),
-    Skin { reflectance: Vec3, normal: Vec3, flat: Vec3, position: Vec3A },
+/// A point of a path where light is scattered.
+enum Vertex<'a> {
+    /// Hit, shading data, the fibre's frame, and in it the direction back along the ray.
+    Hair(HairHit, HairShading<'a>, [Vec3A; 3], Vec3),
+    Skin {
+        shading: SkinShading,
+        /// Where rays leave: just off the triangle.
+        position: Vec3A,
+    },
 }
 
-/// Scatterings before paths may be ended by chance.
+/// Scatterings before Russian roulette may end a path.
 const ROULETTE_FROM: u32 = 12;
 
-/// Paths that carry more than this never end by chance.
+/// Russian roulette ends no path that has a channel with a larger throughput than this.
 const ROULETTE_BELOW: f32 = 0.1;
 
-/// Distance that keeps rays from the triangle that they leave, in parts of the coordinates' size.
+/// Distance that keeps rays off the triangle that they leave, relative to the size of the coordinates.
 const SKIN_OFFSET: f32 = 2e-6;
 
 impl Tracer {
     /// Traces sample `index` of a pixel.
-    pub fn sample(&self, pixel: [u32; 2], index: u32, stack: &mut Stack) -> Seen {
+    pub fn sample(&self, pixel: [u32; 2], index: u32, stack: &mut Stack) -> PixelSample {
         let mut numbers = Numbers::new(self.seed, pixel[1] * self.width + pixel[0], index);
         let camera = self.view.ray(pixel, numbers.four());
-        let mut seen = Seen { weight: camera.weight, ..Seen::default() };
+        let mut sample = PixelSample { weight: camera.weight, ..PixelSample::default() };
         let mut ray = camera.ray;
         let mut from = RayOrigin::default();
-        let mut carried = Vec3::ONE;
-        // Density with which the last scattering drew the ray's direction.
-        let mut drawn = 0.0;
+        let mut throughput = Vec3::ONE;
+        // Density with which the last scattering sampled the ray's direction.
+        let mut scattering_pdf = 0.0;
         let most = if self.integrator == Integrator::Single { 1 } else { self.depth };
         let mut scatterings = 0;
         loop {
             let found = self.geometry.closest(&ray, &from, numbers.word(), stack);
-            seen.rays += 1;
+            sample.rays += 1;
             let Some((hit, distance)) = found else {
                 if let (Some(sky), true) = (&self.lights.sky, scatterings > 0) {
-                    let (radiance, pdf) = sky.look(ray.direction.into());
+                    let (radiance, pdf) = sky.evaluate(ray.direction.into());
                     let share = match self.strategy {
-                        Strategy::Both => drawn / (drawn + pdf),
+                        Strategy::Both => scattering_pdf / (scattering_pdf + pdf),
                         Strategy::Light => 0.0,
                         Strategy::Scattering => 1.0,
                     };
-                    seen.radiance += carried * radiance * share;
+                    sample.radiance += throughput * radiance * share;
                 }
-                return seen;
+                return sample;
             };
-            let place = self.place(&hit, &ray, distance);
+            let vertex = self.vertex(&hit, &ray, distance);
             if scatterings == 0 {
-                self.note(&mut seen, &hit, &camera.ray, &place, stack);
-                seen.depth = camera.depth + distance * camera.depth_rate;
+                self.record_first_hit(&mut sample, &hit, &camera.ray, &vertex, stack);
+                sample.depth = camera.depth + distance * camera.depth_rate;
             }
-            let Some(place) = place else { return seen };
+            let Some(vertex) = vertex else { return sample };
             if scatterings >= most {
-                return seen;
+                return sample;
             }
             let [pick, u, v, chance] = numbers.four();
-            seen.radiance += carried * self.direct(&place, [pick, u, v], &numbers, stack, &mut seen.rays);
+            sample.radiance +=
+                throughput * self.direct(&vertex, [pick, u, v], &numbers, stack, &mut sample.rays);
             scatterings += 1;
-            // Beyond the last scattering only the sky is left to be seen.
+            // After the last scattering only the sky can still contribute.
             if scatterings >= most && (self.lights.sky.is_none() || self.strategy == Strategy::Light) {
-                return seen;
+                return sample;
             }
-            let Some((direction, pdf, weight)) = place.sample(numbers.four()) else { return seen };
-            carried *= weight;
-            drawn = pdf;
-            let largest = carried.max_element();
+            let Some((direction, pdf, weight)) = vertex.sample(numbers.four()) else { return sample };
+            throughput *= weight;
+            scattering_pdf = pdf;
+            let largest = throughput.max_element();
             if scatterings >= ROULETTE_FROM && largest < ROULETTE_BELOW {
                 let survival = largest / ROULETTE_BELOW;
                 if chance >= survival {
-                    return seen;
+                    return sample;
                 }
-                carried /= survival;
+                throughput /= survival;
             }
-            if carried.max_element() <= 0.0 {
-                return seen;
+            if throughput.max_element() <= 0.0 {
+                return sample;
             }
-            (ray, from) = self.leave(&place, Vec3A::from(direction));
+            (ray, from) = self.leave(&vertex, Vec3A::from(direction));
         }
     }
 
-    /// Notes what is hit first.
-    fn note(&self, seen: &mut Seen, hit: &Hit, ray: &Ray, place: &Option<Place<'_>>, stack: &mut Stack) {
-        let skin = match (hit, place) {
-            (Hit::Hair(_), Some(Place::Hair(_, shaded, _, _))) => {
-                seen.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });
+    /// Records what the camera ray hits first.
+    fn record_first_hit(
+        &self,
+        sample: &mut PixelSample,
+        hit: &Hit,
+        ray: &Ray,
+        vertex: &Option<Vertex<'_>>,
+        stack: &mut Stack,
+    ) {
+        let skin = match (hit, vertex) {
+            (Hit::Hair(_), Some(Vertex::Hair(_, shaded, _, _))) => {
+                sample.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });
                 self.geometry.closest_skin(ray, stack).map(|(skin, _)| skin)
             }
             (Hit::Skin(skin), _) => {
-                seen.layer = Some(BASE);
+                sample.layer = Some(BASE);
                 Some(*skin)
             }
             (Hit::Hair(_), _) => None,
         };
         if let Some(skin) = skin {
-            seen.normal = self.geometry.skin(&skin).1;
+            sample.normal = self.geometry.skin_shading(&skin).normal;
         }
     }
 
-    /// The scattering place of a hit; `None` on the skin's inner side, where rays end.
-    fn place(&self, hit: &Hit, ray: &Ray, distance: f32) -> Option<Place<'_>> {
+    /// The vertex of a hit; `None` on the skin's inner side, where paths end.
+    fn vertex(&self, hit: &Hit, ray: &Ray, distance: f32) -> Option<Vertex<'_>> {
         match hit {
             Hit::Hair(hair) => {
                 let back = -ray.direction;
                 let (y, z) = curve::frame(hair.axis, back);
                 let local = Vec3::new(back.dot(hair.axis), back.dot(y), back.dot(z));
-                Some(Place::Hair(*hair, self.geometry.shaded(hair), [hair.axis, y, z], local))
+                Some(Vertex::Hair(*hair, self.geometry.hair_shading(hair), [hair.axis, y, z], local))
             }
-            Hit::Skin(skin) => self.skin_place(skin, ray, distance),
+            Hit::Skin(skin) => self.skin_vertex(skin, ray, distance),
         }
     }
 
-    fn skin_place(&self, skin: &SkinHit, ray: &Ray, distance: f32) -> Option<Place<'_>> {
+    fn skin_vertex(&self, skin: &SkinHit, ray: &Ray, distance: f32) -> Option<Vertex<'_>> {
         skin.front.then(|| {
-            let (reflectance, normal, flat) = self.geometry.skin(skin);
+            let shading = self.geometry.skin_shading(skin);
             let at = ray.origin + distance * ray.direction;
             let offset = SKIN_OFFSET * (1.0 + at.abs().max_element());
-            Place::Skin { reflectance, normal, flat, position: at + offset * Vec3A::from(flat) }
+            Vertex::Skin { shading, position: at + offset * Vec3A::from(shading.geometric_normal) }
         })
     }
 
-    fn leave(&self, place: &Place<'_>, direction: Vec3A) -> (Ray, RayOrigin) {
-        match place {
-            Place::Hair(hit, ..) => {
-                (Ray::new(hit.position, direction), self.geometry.departure(hit, direction))
+    /// The ray that leaves a vertex along a unit direction.
+    fn leave(&self, vertex: &Vertex<'_>, direction: Vec3A) -> (Ray, RayOrigin) {
+        match vertex {
+            Vertex::Hair(hit, ..) => {
+                (Ray::new(hit.position, direction), self.geometry.origin_on_hair(hit, direction))
             }
-            Place::Skin { position, .. } => (Ray::new(*position, direction), RayOrigin::default()),
+            Vertex::Skin { position, .. } => (Ray::new(*position, direction), RayOrigin::default()),
         }
     }
 
-    /// Light that comes straight from lights and sky and is scattered back along the ray.
+    /// Next event estimation: light that comes straight from lights and sky and is scattered back along the ray.
     fn direct(
         &self,
-        place: &Place<'_>,
+        vertex: &Vertex<'_>,
         [pick, u, v]: [f32; 3],
         numbers: &Numbers,
         stack: &mut Stack,
@@ -219,15 +237,15 @@ impl Tracer {
                 return;
             }
             *rays += 1;
-            let (ray, from) = self.leave(place, Vec3A::from(direction));
+            let (ray, from) = self.leave(vertex, Vec3A::from(direction));
             if !self.geometry.blocked(&ray, &from, hash2(numbers.word(), decision), stack) {
                 sum += light;
             }
         };
-        let towards = |light: &Light| light.irradiance * place.scatter(light.direction);
+        let towards = |light: &Light| light.irradiance * vertex.scatter(light.direction);
         if self.integrator == Integrator::Single {
             for (i, light) in (1..).zip(&self.lights.directional) {
-                if place.lit_by(light) {
+                if vertex.lit_by(light) {
                     add(light.direction, towards(light), i);
                 }
             }
@@ -235,22 +253,22 @@ impl Tracer {
             add(light.direction, towards(light) / chance, 1);
         }
         if let (Some(sky), true) = (&self.lights.sky, self.strategy != Strategy::Scattering) {
-            let sample = sky.sample([u, v]);
-            if sample.pdf > 0.0 {
+            let drawn = sky.sample([u, v]);
+            if drawn.pdf > 0.0 {
                 let share = match self.strategy {
-                    Strategy::Both => sample.pdf / (sample.pdf + place.pdf(sample.direction)),
+                    Strategy::Both => drawn.pdf / (drawn.pdf + vertex.pdf(drawn.direction)),
                     _ => 1.0,
                 };
-                let light = sample.radiance * place.scatter(sample.direction) * (share / sample.pdf);
-                add(sample.direction, light, 0);
+                let light = drawn.radiance * vertex.scatter(drawn.direction) * (share / drawn.pdf);
+                add(drawn.direction, light, 0);
             }
         }
         sum
     }
 }
 
-impl Place<'_> {
-    /// Whether a light of the renderer's model shines on it.
+impl Vertex<'_> {
+    /// Whether a light of the renderer's model illuminates it.
     fn lit_by(&self, light: &Light) -> bool {
         match self {
             Self::Hair(_, shaded, ..) => shaded.layer == Layer::Guard || light.undercoat,
@@ -263,7 +281,7 @@ impl Place<'_> {
         Vec3::new(d.dot(*x), d.dot(*y), d.dot(*z))
     }
 
-    /// Scattering from `direction` back along the ray, times the cosine of the incidence, 1/sr.
+    /// Scattering from `direction` back along the ray, times the cosine of incidence, 1/sr.
     fn scatter(&self, direction: Vec3) -> Vec3 {
         match self {
             Self::Hair(_, shaded, frame, back) => {
@@ -271,8 +289,8 @@ impl Place<'_> {
                 let cos = (1.0 - wi.x * wi.x).max(0.0).sqrt();
                 shaded.fibre.evaluate(&shaded.hit, wi, *back) * cos
             }
-            Self::Skin { reflectance, normal, flat, .. } => {
-                if flat.dot(direction) <= 0.0 {
+            Self::Skin { shading: SkinShading { reflectance, normal, geometric_normal }, .. } => {
+                if geometric_normal.dot(direction) <= 0.0 {
                     return Vec3::ZERO;
                 }
                 *reflectance * (normal.dot(direction).max(0.0) / PI)
@@ -280,32 +298,33 @@ impl Place<'_> {
         }
     }
 
+    /// Probability density with which [`Vertex::sample`] draws a direction, 1/sr.
     fn pdf(&self, direction: Vec3) -> f32 {
         match self {
             Self::Hair(_, shaded, frame, back) => {
                 shaded.fibre.pdf(&shaded.hit, Self::local(frame, direction), *back)
             }
-            Self::Skin { normal, .. } => normal.dot(direction).max(0.0) / PI,
+            Self::Skin { shading, .. } => shading.normal.dot(direction).max(0.0) / PI,
         }
     }
 
-    /// Draws a direction: with its density and the weight of what comes from there.
+    /// Samples a direction towards the light: the direction, its density (1/sr), and the weight of radiance from there.
     fn sample(&self, u: [f32; 4]) -> Option<(Vec3, f32, Vec3)> {
         match self {
             Self::Hair(_, shaded, [x, y, z], back) => {
                 let fibre: &Fibre = shaded.fibre;
-                let drawn = fibre.sample(&shaded.hit, *back, u)?;
-                let d = drawn.direction;
+                let sampled = fibre.sample(&shaded.hit, *back, u)?;
+                let d = sampled.direction;
                 let direction = d.x * *x + d.y * *y + d.z * *z;
-                Some((direction.normalize().into(), drawn.pdf, drawn.weight))
+                Some((direction.normalize().into(), sampled.pdf, sampled.weight))
             }
-            Self::Skin { reflectance, normal, flat, .. } => {
+            Self::Skin { shading: SkinShading { reflectance, normal, geometric_normal }, .. } => {
                 let (side, other) = normal.any_orthonormal_pair();
                 let (sin, cos) = (TAU * u[1]).sin_cos();
                 let r = u[0].sqrt();
                 let height = (1.0 - u[0]).max(0.0).sqrt();
                 let direction = (r * cos * side + r * sin * other + height * *normal).normalize();
-                (flat.dot(direction) > 0.0).then_some((direction, height / PI, *reflectance))
+                (geometric_normal.dot(direction) > 0.0).then_some((direction, height / PI, *reflectance))
             }
         }
     }

@@ -1,21 +1,22 @@
 //! The ground truth: the same fur with every hair a strand, path traced on the CPU.
 //!
-//! A world becomes [`strands::Strands`], guard hairs and undercoat alike; nothing of the shell or the light lattice is used.
-//! [`scene`] holds skin and hairs: each segment of a hair is a truncated cone ([`curve`]), found through a [`bvh`]. [`camera`] makes
-//! rays, [`integrator`] follows them, [`light`] knows where light comes from, [`film`] keeps the means, [`resume`] reads them back.
+//! A world becomes [`Strands`], guard hairs and undercoat alike ([`grow`]); nothing of the prism shell or the optical-depth lattice is
+//! used. [`geometry`] holds skin and hairs: each segment of a hair is a truncated cone ([`curve`]), found through a hierarchy of boxes
+//! ([`bvh`]). [`camera`] makes rays, [`integrator`] follows them, [`light`] samples lights and sky, [`film`] keeps the means, and
+//! [`resume`] reads them back.
 //!
 //! # Hairs
 //!
 //! Light meets a hair on its surface and leaves it from its axis, in the direction that its [`pelage_fur::fibre::Fibre`] chooses for the
-//! offset across at which it came. It cannot meet the same hair before it has left it. The scattering is that of the whole
-//! cut through the hair: where on its girth light leaves is not followed, which matters at distances of a hair's width alone.
+//! offset across the hair at which it came. It cannot meet the same hair before it has left it. The scattering is that of the whole
+//! cross section: from where on the hair's girth light leaves is not followed, which matters only at distances of a hair's width.
 //!
-//! The skin is opaque and Lambertian outside. What comes to it from inside ends there, black.
+//! The skin is opaque, and Lambertian on its outside. A path that meets it from the inside ends there, black.
 //!
 //! # Randomness
 //!
-//! Every number belongs to a pixel, a sample and a dimension. A pixel's samples are added in order of their number. So an image
-//! depends on neither threads nor passes, and one that was stopped goes on as if it had not been.
+//! Every random number belongs to a pixel, a sample and a dimension. A pixel's samples are added in order of their number. So an image
+//! depends neither on threads nor on passes, and a rendering that was stopped can go on as if it had not been.
 
 pub mod bvh;
 pub mod camera;
@@ -26,8 +27,10 @@ pub mod grow;
 mod guard;
 pub mod integrator;
 pub mod light;
+mod memory;
 pub mod random;
 pub mod resume;
+mod segments;
 pub mod strands;
 mod undercoat;
 
@@ -49,20 +52,20 @@ use std::{
     time::Instant,
 };
 
-/// What a rendering needs beside the world.
+/// What a rendering needs besides the world.
 #[derive(Debug, Clone)]
 pub struct Options<'a> {
     /// How light is gathered.
     pub integrator: Integrator,
-    /// Which lights there are; not given: those of the renderer for [`Integrator::Single`], the map for [`Integrator::Path`].
+    /// Which lights there are. By default those of the renderer for [`Integrator::Single`], the map for [`Integrator::Path`].
     pub lights: Option<LightModel>,
     /// Which hairs grow.
     pub grow: grow::GrowOptions,
-    /// Whether guard hairs and undercoat are traced.
+    /// Whether guard hairs, and whether undercoat, are traced.
     pub layers: [bool; 2],
-    /// Most scatterings of a path.
+    /// Largest number of scatterings of a path.
     pub depth: u32,
-    /// Seed of the samples; the fur has the scene's.
+    /// Seed of the samples; the fur has the scene's seed.
     pub seed: u32,
     /// Stop at this many samples a pixel, rounded up to an even number.
     pub samples: Option<u32>,
@@ -70,15 +73,15 @@ pub struct Options<'a> {
     pub time: Option<f64>,
     /// Stop where [`Accumulator::error`] is at most this.
     pub error: Option<f64>,
-    /// Samples a pixel between two looks at the clock, rounded up to an even number; the image does not depend on it.
+    /// Samples per pixel between two checks of the limits, rounded up to an even number; the image does not depend on it.
     pub pass: u32,
-    /// Main memory that may be taken, bytes.
+    /// Limit of the main memory, bytes.
     pub memory: u64,
-    /// Where the environment's map is found.
+    /// Where the environment's map is searched for.
     pub assets: Assets,
-    /// Means to go on from.
+    /// Means to resume from.
     pub start: Option<Accumulator>,
-    /// When it becomes true, the rendering stops and returns what there is.
+    /// When it becomes true, the rendering stops and returns what is done.
     pub cancel: Option<&'a AtomicBool>,
 }
 
@@ -117,14 +120,14 @@ impl Options<'_> {
     }
 }
 
-/// How far a rendering is.
+/// Progress of a rendering.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress<'a> {
-    /// Part of the work that is done, 0..1, by whichever limit is reached first.
+    /// Share of the work that is done, 0..1, by the limit that will be reached first.
     pub done: f64,
-    /// What there is so far.
+    /// The means so far.
     pub means: &'a Accumulator,
-    /// Its error.
+    /// [`Accumulator::error`] of the means.
     pub error: f64,
     /// Since the start, s.
     pub seconds: f64,
@@ -133,47 +136,47 @@ pub struct Progress<'a> {
 /// A finished (or interrupted) rendering.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// Fur and skin over nothing, premultiplied; see [`Accumulator::film`].
+    /// Fur and skin without a background, premultiplied; see [`Accumulator::film`].
     pub film: Film,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub samples: u32,
     /// [`Accumulator::error`].
     pub error: f64,
-    /// Tracing, s, without what is built before.
+    /// Duration of the tracing, s, without growing hairs and building hierarchies.
     pub seconds: f64,
-    /// Rays traced, those of lights included.
+    /// Rays traced, shadow rays included.
     pub rays: u64,
     /// False if `cancel` ended it.
     pub complete: bool,
 }
 
-/// Bytes that tracing `coats` at the scene's size takes at most.
-pub fn estimate(world: &World, coats: &[(Strands, Fibre)]) -> u64 {
-    let hair: u64 = coats.iter().map(|(s, _)| geometry::bytes_of(s)).sum();
+/// Peak memory of tracing `layers` at the scene's size, bytes.
+pub fn estimate(world: &World, layers: &[(Strands, Fibre)]) -> u64 {
+    let hair: u64 = layers.iter().map(|(s, _)| memory::of_strands(s)).sum();
     let pixels = u64::from(world.scene.film.width) * u64::from(world.scene.film.height);
     let skin = world.skin.triangles.len() as u64 * 200;
-    // The means, and the film made of them with the copy that is written.
+    // The means, their film, and the copy of it that is written.
     hair + skin + pixels * (film::STATE.len() as u64 * 4 * 3 + 24)
 }
 
 impl Tracer {
-    /// Builds what rays are traced through.
+    /// Prepares the tracing of `layers` of hairs, each with its scattering model, on the skin of `world`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if hairs do not fit each other or the memory, [`Error::Scene`] if the environment's map is missing.
-    pub fn new(world: &World, coats: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
-        let needed = estimate(world, &coats);
+    /// [`Error::Unsupported`] if the hairs take more than `options.memory`, or as [`Geometry::new`]; [`Error::Scene`] if the environment's map
+    /// is missing.
+    pub fn new(world: &World, layers: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
+        let needed = estimate(world, &layers);
         if needed > options.memory {
-            let hairs: usize = coats.iter().map(|(s, _)| s.hairs.len()).sum();
-            let gib = |bytes: u64| bytes as f64 / (1u64 << 30) as f64;
+            let hairs: usize = layers.iter().map(|(s, _)| s.hairs.len()).sum();
             return Err(Error::Unsupported(format!(
-                "{hairs} hairs take about {:.1} GiB of main memory, more than the {:.1} GiB allowed: raise --memory, or trace a \
-                 part of the fur with --patch",
-                gib(needed),
-                gib(options.memory)
+                "found {hairs} hairs, which take about {:.1} GiB of main memory, expected at most {:.1} GiB: raise --memory, or trace \
+                 a part of the fur with --patch",
+                memory::gib(needed),
+                memory::gib(options.memory)
             )));
         }
-        let geometry = Geometry::new(world, coats)?;
+        let geometry = Geometry::new(world, layers)?;
         let lights = Lights::of(world, &options.assets, options.light_model())?;
         Ok(Self {
             view: camera::View::new(&world.scene, geometry.bounds()),
@@ -187,10 +190,10 @@ impl Tracer {
         })
     }
 
-    /// Adds samples to `means` until each pixel has `samples` of them. Returns the number of rays, or `None` if `cancel` ended it:
-    /// then pixels have different numbers of samples and `means` is of no use.
+    /// Adds samples to `means` until each pixel has `samples` of them. Returns the number of rays, or `None` if `cancel` stopped it: pixels
+    /// then have different numbers of samples, and `means` is of no use.
     pub fn add(&self, means: &mut Accumulator, samples: u32, cancel: Option<&AtomicBool>) -> Option<u64> {
-        /// Pixels that one thread takes at a time.
+        /// Pixels that a thread takes at a time.
         const RUN: usize = 32;
         let rays = AtomicU64::new(0);
         let (width, from) = (means.width as usize, means.samples);
@@ -206,9 +209,9 @@ impl Tracer {
                 for (i, pixel) in pixels.iter_mut().enumerate() {
                     let at = run * RUN + i;
                     for index in from..samples {
-                        let seen = self.sample([(at % width) as u32, (at / width) as u32], index, stack);
-                        traced += u64::from(seen.rays);
-                        film::add(pixel, index, &seen);
+                        let sample = self.sample([(at % width) as u32, (at / width) as u32], index, stack);
+                        traced += u64::from(sample.rays);
+                        film::add(pixel, index, &sample);
                     }
                 }
                 rays.fetch_add(traced, Ordering::Relaxed);
@@ -222,30 +225,32 @@ impl Tracer {
     }
 }
 
-/// Traces `coats` on the skin of `world` until the samples, the time or the error of `options` is reached. `on_progress` is
-/// called after each pass; an error of its own ends the rendering.
+/// Traces `layers` of hairs on the skin of `world` until the samples, the time or the error of `options` is reached. `on_progress` is
+/// called after each pass; an error that it returns ends the rendering.
 ///
 /// # Errors
-/// As [`Tracer::new`]; [`Error::Usage`] if nothing limits the rendering or the means to go on from have another size;
-/// [`Error::Interrupted`] if `cancel` ends it before the first pass is done; those of `on_progress`.
-pub fn render_coats(
+/// As [`Tracer::new`]; [`Error::Usage`] if nothing limits the rendering or the means to resume from have another size;
+/// [`Error::Interrupted`] if `cancel` stops it before the first pass is done; those of `on_progress`.
+pub fn render_layers(
     world: &World,
-    coats: Vec<(Strands, Fibre)>,
+    layers: Vec<(Strands, Fibre)>,
     options: &Options<'_>,
     on_progress: &mut dyn FnMut(&Progress<'_>) -> Result<()>,
 ) -> Result<Outcome> {
     if options.samples.is_none() && options.time.is_none() && options.error.is_none() {
-        return Err(Error::Usage("nothing ends the rendering: give samples, a time or an error".into()));
+        return Err(Error::Usage(
+            "found no limit of the rendering, expected one or more: give samples, a time or an error".into(),
+        ));
     }
     let (width, height) = (world.scene.film.width, world.scene.film.height);
     let mut means = options.start.clone().unwrap_or_else(|| Accumulator::new(width, height));
     if (means.width, means.height) != (width, height) {
         return Err(Error::Usage(format!(
-            "the image to go on from has {} x {} pixels, expected {width} x {height}",
+            "the image to resume from has {} x {} pixels, expected {width} x {height}: resume at the size of that image",
             means.width, means.height
         )));
     }
-    let tracer = Tracer::new(world, coats, options)?;
+    let tracer = Tracer::new(world, layers, options)?;
     let even = |n: u32| n.max(1).saturating_add(n & 1).max(2);
     let most = options.samples.map_or(u32::MAX - 1, even);
     let (start, begin) = (Instant::now(), means.samples);
@@ -257,7 +262,7 @@ pub fn render_coats(
         let done = [
             options.samples.map_or(0.0, |_| f64::from(means.samples) / f64::from(most)),
             share(options.time, seconds),
-            // The error falls as one over the samples; that of a few is not known well.
+            // The error falls as one over the number of samples; that of a few samples is uncertain.
             options.error.map_or(0.0, |limit| (limit / error).min(f64::from(means.samples) / 8.0)),
         ]
         .into_iter()
@@ -272,7 +277,7 @@ pub fn render_coats(
             complete = false;
             break;
         }
-        // The first pass shows how long one takes; none shall end long after the time.
+        // The first pass shows how long a sample takes, so that later ones do not end long after the time.
         let done_here = means.samples - begin;
         let within = options.time.map_or(u32::MAX - 1, |time| {
             let each = seconds / f64::from(done_here.max(1));
@@ -306,14 +311,15 @@ pub fn render_coats(
     })
 }
 
-/// The hairs of `world` that are traced, with their scattering. What they will take is estimated before they grow.
+/// The layers of hairs of `world` that are traced, with their scattering models. Their memory is estimated before they grow.
 ///
 /// # Errors
-/// [`Error::Usage`] where they take more than the memory allowed; as [`grow::grow`].
-pub fn coats(world: &World, options: &Options<'_>) -> Result<Vec<(Strands, Fibre)>> {
+/// [`Error::Usage`] where they would take more than `options.memory`; as [`grow::grow`].
+pub fn layers(world: &World, options: &Options<'_>) -> Result<Vec<(Strands, Fibre)>> {
     let mut estimated = grow::estimate(world, &options.grow)?;
     let hairs = estimated.guard_hairs + estimated.undercoat_hairs;
-    estimated.bytes = geometry::bytes(hairs, estimated.segments, geometry::USUAL_PARTS * estimated.segments);
+    estimated.bytes =
+        memory::of_counts(hairs, estimated.segments, memory::EXPECTED_PARTS * estimated.segments);
     estimated.check(options.memory)?;
     let traced = |layer: Layer| options.layers[usize::from(layer == Layer::Undercoat)];
     let grown = grow::grow(world, &options.grow)?;
@@ -331,7 +337,7 @@ pub fn coats(world: &World, options: &Options<'_>) -> Result<Vec<(Strands, Fibre
         .collect())
 }
 
-/// Grows the hairs of `world` and traces them: [`coats`] and [`render_coats`].
+/// Grows the hairs of `world` and traces them: [`layers`] and [`render_layers`].
 ///
 /// # Errors
 /// As those two.
@@ -340,5 +346,5 @@ pub fn render(
     options: &Options<'_>,
     on_progress: &mut dyn FnMut(&Progress<'_>) -> Result<()>,
 ) -> Result<Outcome> {
-    render_coats(world, coats(world, options)?, options, on_progress)
+    render_layers(world, layers(world, options)?, options, on_progress)
 }

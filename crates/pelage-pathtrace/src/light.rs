@@ -1,4 +1,4 @@
-//! Lights: directions of no extent, and a sky that is sampled in proportion to its luminance.
+//! Lights: directional lights, and a sky that is sampled in proportion to its luminance.
 
 use glam::{Quat, Vec3};
 use pelage_core::assets::Assets;
@@ -14,7 +14,7 @@ use std::f32::consts::{PI, TAU};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightModel {
-    /// The renderer's: the environment as directional lights. Then what differs from the renderer is not the lights.
+    /// Those of the renderer, the environment as directional lights: differences from the renderer then do not come from the lights.
     Scene,
     /// The environment itself, and the scene's directional lights.
     Map,
@@ -28,17 +28,17 @@ pub struct Sky {
     map: Option<Map>,
 }
 
-/// A map and how it is sampled: first a row, then a column. Each texel has one radiance, so that the samples of a grey map
-/// all count the same.
+/// An environment map with its sampling: first a row is drawn, then a column. Radiance is constant over a texel, so that all samples of
+/// a grey map have the same weight.
 #[derive(Debug, Clone)]
 struct Map {
     panorama: Panorama,
     map_from_world: Quat,
-    /// Running sums over the rows, 0 to 1.
+    /// Cumulative distribution of the rows, 0 to 1.
     rows: Vec<f32>,
-    /// Running sums within each row, 0 to 1, `width + 1` each.
+    /// Cumulative distribution within each row, 0 to 1, `width + 1` values each.
     columns: Vec<f32>,
-    /// Probability density per solid angle for a luminance of 1.
+    /// Probability density of a direction for a luminance of 1, 1/sr.
     density: f32,
 }
 
@@ -47,14 +47,14 @@ struct Map {
 pub struct SkySample {
     /// Unit, world space.
     pub direction: Vec3,
-    /// Probability density per solid angle.
+    /// Probability density, 1/sr.
     pub pdf: f32,
     /// Linear RGB.
     pub radiance: Vec3,
 }
 
 impl Sky {
-    /// The environment of a scene; `None` without one or where it is black.
+    /// The environment of a scene; `None` if there is none or it is black.
     ///
     /// # Errors
     /// [`pelage_core::Error::Scene`] if the map is missing or damaged.
@@ -109,8 +109,8 @@ impl Sky {
         })
     }
 
-    /// Radiance from a direction (unit, world space) and the density with which [`Sky::sample`] draws it.
-    pub fn look(&self, direction: Vec3) -> (Vec3, f32) {
+    /// Radiance from a direction (unit, world space), linear RGB, and the density with which [`Sky::sample`] draws it, 1/sr.
+    pub fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
         let Some(map) = &self.map else { return (self.factor, 0.25 / PI) };
         let [x, y] = map.panorama.texel_of((map.map_from_world * direction).as_dvec3());
         let column = (x as usize).min(map.panorama.width - 1);
@@ -118,7 +118,7 @@ impl Sky {
         map.at(row * map.panorama.width + column, self.factor)
     }
 
-    /// Draws a direction with two numbers in 0..1.
+    /// Draws a direction from two numbers in 0..1.
     pub fn sample(&self, u: [f32; 2]) -> SkySample {
         let Some(map) = &self.map else {
             let z = 1.0 - 2.0 * u[0];
@@ -133,7 +133,7 @@ impl Sky {
         let (width, height) = (map.panorama.width, map.panorama.height);
         let (row, down) = find(&map.rows, u[0]);
         let (column, right) = find(&map.columns[row * (width + 1)..][..=width], u[1]);
-        // Even in solid angle within the texel.
+        // Uniform in solid angle within the texel.
         let edge = |y: usize| (y as f32 / height as f32 * PI).cos();
         let cos = edge(row) + (edge(row + 1) - edge(row)) * down;
         let sin = (1.0 - cos * cos).max(0.0).sqrt();
@@ -152,11 +152,11 @@ impl Map {
     }
 }
 
-/// The step of running sums in which `u` lies, one that is not empty, and how far within it.
+/// The interval of a cumulative distribution in which `u` lies, never an empty one, and the position of `u` in it, 0..1.
 fn find(sums: &[f32], u: f32) -> (usize, f32) {
     let last = sums.len() - 2;
     let mut i = sums.partition_point(|s| *s <= u).saturating_sub(1).min(last);
-    // Past the last step that is not empty.
+    // Beyond the last interval that is not empty.
     while i > 0 && sums[i + 1] <= sums[i] {
         i -= 1;
     }
@@ -167,16 +167,16 @@ fn find(sums: &[f32], u: f32) -> (usize, f32) {
 /// All lights of a tracer.
 #[derive(Debug, Clone)]
 pub struct Lights {
-    /// Directional.
+    /// Directional lights.
     pub directional: Vec<Light>,
-    /// Running sums of their luminances, 0 to 1.
+    /// Cumulative distribution of their luminances, 0 to 1.
     sums: Vec<f32>,
     /// The environment.
     pub sky: Option<Sky>,
 }
 
 impl Lights {
-    /// Lights of which one is picked by its luminance.
+    /// Directional lights, picked in proportion to their luminance, and a sky.
     pub fn new(directional: Vec<Light>, sky: Option<Sky>) -> Self {
         let mut sums = vec![0f32];
         let mut sum = 0.0;
@@ -188,7 +188,7 @@ impl Lights {
         Self { directional, sums, sky }
     }
 
-    /// The lights of `world` by a model.
+    /// The lights of `world` for a light model.
     ///
     /// # Errors
     /// [`pelage_core::Error::Scene`] if the environment's map is missing or damaged.
@@ -202,7 +202,7 @@ impl Lights {
         })
     }
 
-    /// Picks a directional light by its luminance: the light and its probability.
+    /// Picks a directional light in proportion to its luminance: the light and the probability of the pick.
     pub fn pick(&self, u: f32) -> Option<(&Light, f32)> {
         if self.directional.is_empty() {
             return None;
@@ -234,13 +234,13 @@ mod tests {
         let sky = sky();
         for i in 0..2000 {
             let s = sky.sample([random(1, i), random(2, i)]);
-            let (radiance, pdf) = sky.look(s.direction);
+            let (radiance, pdf) = sky.evaluate(s.direction);
             let near = |a: f32, b: f32| (a - b).abs() <= 1e-4 * a.max(b);
             // Rounding moves a direction at a texel's edge to its neighbour.
             let at_edge = s.pdf != pdf
                 && [1e-4, -1e-4].iter().any(|d| {
-                    let beside =
-                        [Vec3::X, Vec3::Y, Vec3::Z].map(|a| sky.look((s.direction + *d * a).normalize()).1);
+                    let beside = [Vec3::X, Vec3::Y, Vec3::Z]
+                        .map(|a| sky.evaluate((s.direction + *d * a).normalize()).1);
                     beside.iter().any(|p| near(*p, s.pdf))
                 });
             assert!(at_edge || (near(pdf, s.pdf) && (radiance - s.radiance).length() < 1e-4), "{i}");
@@ -254,7 +254,7 @@ mod tests {
         let (mut one, mut all, mut by_sampling) = (0f64, 0f64, 0f64);
         for i in 0..n {
             let d = pelage_fur::random::random_direction(9, 2 * i);
-            let (radiance, pdf) = sky.look(d);
+            let (radiance, pdf) = sky.evaluate(d);
             one += f64::from(pdf * 4.0 * PI) / f64::from(n);
             all += f64::from(radiance.x * 4.0 * PI) / f64::from(n);
             let s = sky.sample([random(3, i), random(4, i)]);

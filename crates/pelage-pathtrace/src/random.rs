@@ -1,14 +1,15 @@
-//! Random numbers of a sample: the same for a pixel, a sample and a dimension, whoever asks.
+//! Random numbers of a sample, which depend on pixel, sample and dimension alone.
 
 use pelage_fur::random::{hash2, random};
 
-/// Sets of four numbers of a sample that come from the Sobol sequence; later ones are independent.
+/// Sets of four numbers of a sample that come from the Sobol sequence; later sets are independent random numbers.
 const SOBOL_SETS: u32 = 24;
 
 /// The numbers of one sample, four at a time.
 ///
-/// The samples of a half are points of one Owen-scrambled Sobol sequence, those of the other half of another: the halves are
-/// independent of each other, and each is evenly spread.
+/// Each half of the samples consists of the points of an Owen-scrambled Sobol sequence of its own: the halves are independent of each other,
+/// and each is evenly spread.
+// [Burley2020]
 #[derive(Debug, Clone, Copy)]
 pub struct Numbers {
     seed: u32,
@@ -24,7 +25,7 @@ impl Numbers {
         Self { seed: hash2(hash2(seed, pixel), sequence), index: (index >> 1) & 0xffff, set: 0 }
     }
 
-    /// Four numbers in 0..1.
+    /// The next four numbers, in 0..1.
     #[inline]
     pub fn four(&mut self) -> [f32; 4] {
         let set = self.set;
@@ -36,7 +37,7 @@ impl Numbers {
         [0, 1, 2, 3].map(|k| random(seed, 4 * set + k))
     }
 
-    /// A word for decisions along a ray.
+    /// A random word for decisions along a ray.
     #[inline]
     pub fn word(&self) -> u32 {
         hash2(hash2(self.seed, !self.index), self.set)

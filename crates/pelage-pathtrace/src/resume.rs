@@ -1,11 +1,11 @@
-//! Files from which a rendering goes on.
+//! Files from which a rendering resumes.
 
 use super::{Options, film::Accumulator};
 use pelage_core::film::{Metadata, io};
 use pelage_core::{Error, Result, World};
 use std::path::Path;
 
-/// What must agree between a file and a rendering that goes on from it.
+/// What must agree between a file and the rendering that resumes from it.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Identity {
     /// Keys of the metadata with their values.
@@ -14,9 +14,9 @@ pub struct Identity {
 }
 
 impl Identity {
-    /// What tells renderings of `world` apart.
+    /// Identity of a rendering of `world` with `options`.
     ///
-    /// The scene counts without what changes no sample: samples a pixel, budget, tile, background and tone mapping.
+    /// Parts of the scene that change no sample do not count: samples per pixel, memory budget, tile size, background and tone mapping.
     pub fn new(world: &World, options: &Options<'_>) -> Self {
         let mut scene = world.scene.clone();
         let plain = pelage_core::Scene::default();
@@ -46,7 +46,7 @@ impl Identity {
         Self { entries, metadata }
     }
 
-    /// The metadata of an image with `samples` samples a pixel: nothing in it differs between runs.
+    /// The metadata of an image with `samples` samples per pixel. Nothing in it differs between runs.
     pub fn metadata(&self, samples: u32) -> Metadata {
         let all = self.entries.iter().fold(self.metadata.clone(), |m, (key, value)| m.with(key, value));
         all.with("samples", samples.to_string())
@@ -55,7 +55,7 @@ impl Identity {
     /// Reads the means of an earlier rendering.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Usage`] with all entries that differ, or the plane that is missing.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Usage`] with all entries that differ, another size, or if planes are missing.
     pub fn read(&self, path: &Path, size: [u32; 2]) -> Result<Accumulator> {
         let found = io::read_metadata(path)?;
         let mut differing: Vec<String> = self
@@ -63,31 +63,36 @@ impl Identity {
             .iter()
             .filter(|(key, value)| found.get(key) != Some(value))
             .map(|(key, value)| {
-                format!("{key} is {:?} in the file, {value:?} now", found.get(key).unwrap_or("not there"))
+                format!(
+                    "found {key} {:?} in the file, expected {value:?}",
+                    found.get(key).unwrap_or("missing")
+                )
             })
             .collect();
         let samples = found.get("samples").and_then(|s| s.parse::<u32>().ok());
         if samples.is_none_or(|s| s % 2 != 0) {
-            differing.push("samples is not an even number in the file".into());
+            differing.push("found no even number of samples in the file".into());
         }
-        let refuse = |what: String| {
+        let fault = |what: String| {
             Error::Usage(format!(
                 "--resume {}: {what}; render the same scene with the same options, or leave --resume out to start anew",
                 path.display()
             ))
         };
         if !differing.is_empty() {
-            return Err(refuse(differing.join("; ")));
+            return Err(fault(differing.join("; ")));
         }
         let film = io::read(path)?;
         if [film.width, film.height] != size {
-            return Err(refuse(format!(
-                "the file has {} x {} pixels, expected {} x {}",
+            return Err(fault(format!(
+                "found {} x {} pixels in the file, expected {} x {}",
                 film.width, film.height, size[0], size[1]
             )));
         }
         Accumulator::from_film(&film, samples.unwrap_or(0)).ok_or_else(|| {
-            refuse("the file lacks planes such as half0.R; it is no image of a reference".into())
+            fault(
+                "found no planes such as half0.R in the file, expected an image of `pelage reference`".into(),
+            )
         })
     }
 }

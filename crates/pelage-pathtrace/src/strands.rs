@@ -1,21 +1,21 @@
-//! Hairs as the path tracer sees them.
+//! Hairs as the path tracer takes them.
 
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
 use pelage_fur::strand_curve::tip_share;
 
-/// All hairs of one layer, flat: `segments + 1` points each.
+/// All hairs of one layer, each with `segments + 1` points, one after the other.
 #[derive(Debug, Clone)]
 pub struct Strands {
     /// The layer.
     pub layer: Layer,
-    /// Segments a strand.
+    /// Segments of each strand.
     pub segments: usize,
-    /// World space, cm, and the radius, cm. Root first, strand after strand.
+    /// Position in world space and radius, cm. Root first, strand after strand.
     pub points: Vec<Vec4>,
-    /// One a strand.
+    /// One for each strand.
     pub hairs: Vec<Hair>,
-    /// Opacity at each point of a strand, the same for all strands; empty: opaque.
+    /// Opacity at each point of a strand, 0..1, the same for all strands; empty where all are opaque.
     pub opacity: Vec<f32>,
     /// Where between root and tip the colour changes from the one to the other, and over what part of the length, as
     /// [`pelage_core::scene::Guard::color_transition`]. That of the undercoat changes evenly from root to tip.
@@ -31,12 +31,12 @@ pub struct Hair {
     pub color_tip: Vec3,
     /// Azimuth of the glints, radians.
     pub glint_angle: f32,
-    /// Bit k: segment k is there. Where the undercoat's density ends, its hairs do.
+    /// Bit k: whether segment k is present. Undercoat hairs end where the volume's density does.
     pub present: u64,
 }
 
 impl Strands {
-    /// Opaque strands of parts that were grown apart, in their order.
+    /// Opaque strands from parts that were grown separately, in their order.
     pub(super) fn joined(layer: Layer, segments: usize, parts: Vec<(Vec<Vec4>, Vec<Hair>)>) -> Self {
         let count = parts.iter().map(|(_, hairs)| hairs.len()).sum();
         let mut points = Vec::with_capacity(count * (segments + 1));

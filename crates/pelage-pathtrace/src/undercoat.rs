@@ -1,8 +1,8 @@
 //! The undercoat's volume realised as hairs.
 //!
-//! Roots are a Poisson process, for the volume's exponential is that of hairs which know nothing of each other. Each hair follows the
-//! volume's tangents up through the shell and has a threshold of its own, drawn once: its segments are there where the volume's density
-//! lies above it. So the number of hairs at a place is on average the volume's density there, and where that falls, hairs end.
+//! Roots are a Poisson process, because a volume attenuates exponentially, as independently placed hairs do. Each hair follows the
+//! volume's tangents up through the prism shell. It has a random threshold of its own, and its segments are present where the volume's
+//! density is above it. So the mean number of hairs at a place is the volume's density there, and hairs end where the density falls.
 
 use super::grow::Patch;
 use super::strands::{Hair, Strands};
@@ -22,14 +22,14 @@ use std::f32::consts::PI;
 /// Hairs that a thread grows at a time.
 const CHUNK: u32 = 2048;
 
-/// No hair leans farther than this cosine from the shell's direction, or it would hardly climb.
+/// Smallest cosine between a hair and the shell's direction: a hair that leaned more would hardly climb.
 const STEEPEST: f32 = 0.3;
 
-/// What grows the undercoat of a shell.
+/// Grows the undercoat of a prism shell.
 pub(super) struct Grower<'a> {
     shell: &'a Shell,
     maps: Maps<'a>,
-    /// The volume's parameters, without the taper: that is the hairs' diameter, not their number.
+    /// The volume's parameters without the taper, which changes the hairs' diameter, not their number.
     fur: FurParameters,
     noise: Field,
     /// Largest density of the volume relative to its mean.
@@ -41,16 +41,16 @@ pub(super) struct Grower<'a> {
     patch: Option<Patch>,
 }
 
-/// What is random about a hair.
+/// Random variation of one hair.
 struct HairVariation {
-    /// The hair is there where the relative density is above this.
+    /// The hair is present where the relative density is above this.
     threshold: f32,
-    /// Where in each segment the density is read, 0..1.
+    /// Position in each segment at which the density is evaluated, 0..1.
     phase: f32,
-    /// Displacement of the lookup at full growth, relative.
-    displaced: Vec3,
-    /// The turn runs through half of the great circle of these two.
-    turn: [Vec3; 2],
+    /// Displacement of the density's lookup at full growth, in units of the jitter, each coordinate in -1..1.
+    displacement: Vec3,
+    /// Two orthogonal unit vectors: from root to tip, the jitter of the tangent runs through half of their great circle.
+    jitter_plane: [Vec3; 2],
 }
 
 impl HairVariation {
@@ -62,25 +62,26 @@ impl HairVariation {
         Self {
             threshold: random(seed, 2),
             phase: random(seed, 3),
-            displaced: Vec3::new(r(4), r(5), r(6)),
-            turn: [first, second],
+            displacement: Vec3::new(r(4), r(5), r(6)),
+            jitter_plane: [first, second],
         }
     }
 
-    /// The turn at height t: uniform on the sphere at each height, smooth along the hair.
-    fn turn(&self, t: f32) -> Vec3 {
+    /// Jitter of the tangent at height t, unit: uniform on the sphere at each height, smooth along the hair.
+    fn tangent_jitter(&self, t: f32) -> Vec3 {
         let (sin, cos) = (PI * t).sin_cos();
-        cos * self.turn[0] + sin * self.turn[1]
+        cos * self.jitter_plane[0] + sin * self.jitter_plane[1]
     }
 }
 
-/// A point on a hair's way.
+/// A point of a hair that climbs through the shell.
 #[derive(Clone, Copy)]
 struct Walker {
     place: Place,
-    /// cm.
+    /// Position, cm.
     x: Vec3,
-    /// Off the shell's border: the place is the last inside, and the domain's point went on by this.
+    /// Where the hair has left the shell over its border: `place` is the last one inside, and the point of the noise's domain has moved on by
+    /// this.
     beyond: Option<Vec3>,
 }
 
@@ -92,7 +93,6 @@ impl<'a> Grower<'a> {
         segments: u32,
         patch: Option<Patch>,
     ) -> Self {
-        let coat = &world.scene.undercoat;
         let fur = packed.fur;
         Self {
             shell,
@@ -101,34 +101,34 @@ impl<'a> Grower<'a> {
             noise: Field::new(fur.seed),
             // Largest sum of 0.5 clumps and 0.6 locks: the noise reaches 0.99 in the plane and 0.81 in space.
             densest: 1.0 + fur.noise_contrast * if fur.noise_domain == 1 { 1.1 } else { 0.9 },
-            diameter: coat.diameter.map(|um| um * 1e-4),
+            diameter: world.scene.undercoat.diameter.map(|um| um * 1e-4),
             segments,
             seed: hash2(fur.seed, 0x756e_6465),
             patch,
         }
     }
 
-    /// Candidates for roots, 1/cm².
-    pub fn most(&self) -> f64 {
+    /// Number of candidates for hairs, 1/cm².
+    pub fn candidate_density(&self) -> f64 {
         f64::from(self.fur.density) * f64::from(self.densest)
     }
 
-    fn coat(&self) -> Undercoat<'_> {
+    fn volume(&self) -> Undercoat<'_> {
         Undercoat { fur: &self.fur, noise: self.noise, shell: self.shell, cells: &[] }
     }
 
-    /// Number of candidates on a triangle, Poisson distributed: as many exponential gaps as fit its mean.
+    /// Number of candidates on a triangle, Poisson distributed: as many exponential gaps as fit into the mean.
     fn candidates(&self, prism: u32) -> u32 {
         if self.patch.is_some_and(|p| !p.reaches(self.shell, prism)) {
             return 0;
         }
         let place = self.shell.enter(prism);
-        let mean = 0.5 * f64::from(place.e1.cross(place.e2).length()) * self.most();
+        let mean = 0.5 * f64::from(place.e1.cross(place.e2).length()) * self.candidate_density();
         let seed = hash2(hash2(self.seed, prism), u32::MAX);
         let mut sum = 0.0;
         let mut count = 0;
         loop {
-            // In the middle of the 2^24 steps: never 0.
+            // The middle of one of the 2^24 steps, so that the logarithm's argument is never 0.
             sum -= (f64::from(random(seed, count)) + 0.5 / 16_777_216.0).ln();
             if sum > mean || count == u32::MAX - 1 {
                 return count;
@@ -159,7 +159,7 @@ impl<'a> Grower<'a> {
         Strands::joined(Layer::Undercoat, self.segments as usize, grown)
     }
 
-    /// Grows the k-th candidate of a triangle, if it lies in the patch and is to be seen anywhere.
+    /// Grows the k-th candidate of a triangle; `None` outside the patch or where no segment is present.
     fn hair(&self, prism: u32, k: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
         let seed = hash2(hash2(self.seed, prism), k);
         let r = random(seed, 0).sqrt();
@@ -173,7 +173,8 @@ impl<'a> Grower<'a> {
         self.hair_at(prism, lambda, seed, points)
     }
 
-    /// Grows the hair with its root at barycentric coordinates; its points are added to `points`. None where no segment is there.
+    /// Grows the hair with its root at the barycentric coordinates `lambda` and appends its points to `points`; `None` where no segment is
+    /// present.
     pub fn hair_at(&self, prism: u32, lambda: Vec3, seed: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
         let variation = HairVariation::of(seed);
         let at = skin_point(self.shell, prism, lambda);
@@ -183,7 +184,7 @@ impl<'a> Grower<'a> {
             return None;
         }
         let threshold = variation.threshold * self.densest / density;
-        let coat = self.coat();
+        let volume = self.volume();
         let first = points.len();
         let mut present = 0;
         let mut walker = Walker { place, x: place.point(0.0, lambda), beyond: None };
@@ -191,15 +192,15 @@ impl<'a> Grower<'a> {
         points.push(walker.x.extend(self.radius(0.0)));
         for k in 0..self.segments {
             let t = k as f32 * dt;
-            // Halfway first, then the whole step by the direction there.
+            // Midpoint rule: half a step first, then the whole step with the direction there.
             let half = self.climb(&walker, t, t + 0.5 * dt, self.direction(&walker.place, t, &variation));
             let along = self.direction(&half.place, t + 0.5 * dt, &variation);
             let end = if k + 1 == self.segments { 1.0 } else { t + dt };
             let next = self.climb(&walker, t, end, along);
-            // Where in the segment the density is read differs from hair to hair, so that the mean is that of the segment.
+            // Evaluated at another position for each hair, so that the mean over hairs is that of the segment.
             let t_read = t + variation.phase * dt;
             let read = self.climb(&walker, t, t_read, along);
-            if self.density(&coat, &read, t_read, &variation) > threshold {
+            if self.density(&volume, &read, t_read, &variation) > threshold {
                 present |= 1 << k;
             }
             walker = next;
@@ -225,26 +226,27 @@ impl<'a> Grower<'a> {
     }
 
     /// The volume's density relative to its mean, at a point of a hair.
-    fn density(&self, coat: &Undercoat<'_>, at: &Walker, t: f32, variation: &HairVariation) -> f32 {
-        let p = coat.domain_point(&at.place, at.place.lambda) + at.beyond.unwrap_or_default();
+    fn density(&self, volume: &Undercoat<'_>, at: &Walker, t: f32, variation: &HairVariation) -> f32 {
+        let p = volume.domain_point(&at.place, at.place.lambda) + at.beyond.unwrap_or_default();
         let growth = t.powf(self.fur.jitter_exponent);
-        coat.clump_density(p, p + self.fur.uv_jitter * growth * variation.displaced, t)
+        volume.clump_density(p, p + self.fur.uv_jitter * growth * variation.displacement, t)
     }
 
-    /// Direction of a hair, one along the shell's direction: the volume's tangent with a turn that is the hair's own and smooth
-    /// along it, where the volume draws one for each cell.
+    /// Direction of a hair, scaled so that its part along the shell's direction is 1: the volume's tangent, but with a jitter that is smooth
+    /// along each hair, where the volume draws one for each cell.
     fn direction(&self, place: &Place, t: f32, variation: &HairVariation) -> Vec3 {
         let up = place.extrusion(place.lambda).normalize_or(Vec3::Y);
         let growth = t.powf(self.fur.jitter_exponent);
-        let tangent =
-            (up + Vec3::from(self.fur.lean) * t + self.fur.tangent_jitter * growth * variation.turn(t))
-                .normalize_or(up);
+        let tangent = (up
+            + Vec3::from(self.fur.lean) * t
+            + self.fur.tangent_jitter * growth * variation.tangent_jitter(t))
+        .normalize_or(up);
         let rise = tangent.dot(up);
         // DEVIATION: the volume's tangents may lie flat or point down; a hair that did would never reach the top.
         up + (tangent - rise * up) / rise.max(STEEPEST)
     }
 
-    /// Goes from height `t` to `end` along a direction that is one along the shell's.
+    /// Climbs from height `t` to `end` along a direction as that of [`Grower::direction`].
     fn climb(&self, from: &Walker, t: f32, end: f32, direction: Vec3) -> Walker {
         let mut walker = *from;
         let place = &mut walker.place;
@@ -256,13 +258,13 @@ impl<'a> Grower<'a> {
             *beyond += self.in_domain(step, up);
             return walker;
         }
-        // How fast t grows along the direction: its part along the extrusion in the frame of the prism.
+        // How fast t grows along the direction, relative to its growth along the extrusion.
         let normal = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2);
         let rate = direction.dot(normal) / up.dot(normal);
         let least = 0.2 / up.length();
         let step = direction * ((end - t) / if rate > least { rate } else { least });
         place.t = end;
-        // The height is known: no iterations, only the place in the layer, onto which the point is then moved.
+        // The height is known: no iterations are needed, only the barycentric coordinates, from which the point then follows.
         match self.shell.locate(place, from.x + step, direction, 0) {
             Located::Inside => {
                 walker.x = place.point(end, place.lambda);
@@ -276,7 +278,7 @@ impl<'a> Grower<'a> {
         walker
     }
 
-    /// A step across the shell as one in the noise's domain: on the skin, cm. In uv the last point is kept.
+    /// A step as one in the noise's domain: along the skin, cm. In uv the last point is kept.
     fn in_domain(&self, step: Vec3, up: Vec3) -> Vec3 {
         if self.fur.noise_domain == 1 { Vec3::ZERO } else { step.reject_from(up) }
     }

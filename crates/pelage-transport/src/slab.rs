@@ -1,177 +1,98 @@
-//! Radiative transfer in a plane-parallel coat of fibres, by bins of the cosine to the normal and the adding method.
+//! Radiative transfer in a plane-parallel coat by the adding method.
 //!
-//! Depth is that of [`super::coat`]. Along direction ω the extinction by it is the mean of sin(T, ω) over the tangents T, and of what
-//! each shows.
+//! **Model.** A coat is a stack of layers, each of one mixture of hairs, on a Lambertian skin. It is lit by directional lights of
+//! irradiance 1. Radiance is scattered radiance: the attenuated beams themselves are kept apart, and what hairs and skin scatter
+//! from them is the source. Radiance I depends on the depth z and the direction; azimuth is averaged out. With the cosine μ,
+//! the extinction σ and the scattering kernel K of the hairs, and the source s that the beams leave,
+//!
+//! ```text
+//! ±μ dI/dz = -σ I + K I + s
+//! ```
+//!
+//! **Streams.** Directions are the 48 [bins](crate::bins). The solver orders them as *streams*: 0..24 go up, 24..48 go down,
+//! each half from grazing to steep. A bin names where light leaves to for an emitter, and where it arrives from for a receiver; so
+//! one stream has two bins, `leaving_bin` and `arriving_bin`.
+//!
+//! **One layer.** The emission K I + s of a layer is taken as constant in it. Along a stream of optical thickness x the mean
+//! radiance in the layer is then
+//!
+//! ```text
+//! I = H in + G (K I + s),    H = (1 - exp(-x)) / x,    G = (1 - H) / σ    (diagonal matrices)
+//! ```
+//!
+//! for the radiance `in` that enters. So (1 - G K) I = H in + G s. The inverse of 1 - G K = 1 + G K + (G K)² + ... is the sum of
+//! all orders of scattering within the layer. What leaves is the radiance that was not met by hairs and the emission along the stream:
+//! four blocks of transmission and reflection operators, upwards and downwards, and two source vectors.
+//!
+//! **Adding, from the skin upwards.** What lies under a boundary is known by its reflection P and its emission q: it sends
+//! u = P d + q upwards for the radiance d that falls on it. A layer on top of it, with transmissions T, reflections R and sources s
+//! (↓ marks what leaves downwards, ↑ what leaves upwards; so R↓ sends light from below down again) gives
+//!
+//! ```text
+//! d = T↓ d' + R↓ u + s↓,   u = P d + q   ⟹   u = (1 - P R↓)⁻¹ (P (T↓ d' + s↓) + q)
+//! ```
+//!
+//! for the radiance d' that falls on the layer. The inverse sums all reflections to and fro between the layer and what lies below. The
+//! pair for the boundary above follows: P' = R↑ + T↑ (1 - P R↓)⁻¹ P T↓, q' = s↑ + T↑ (1 - P R↓)⁻¹ (P s↓ + q).
+//!
+//! **Back substitution, from the top downwards.** No scattered light falls on the coat from outside: d = 0 at the top. The equations
+//! above, whose inverses are kept, give u and d at each boundary in turn. No order of scattering is cut off.
+//!
+//! **Convergence.** All entries of K, P, R and T are at least 0. For such a matrix A the Neumann series 1 + A + A² + ... converges if and
+//! only if 1 - A is a nonsingular M-matrix, that is, if its inverse exists and has no negative entry. Where a model sends out more light
+//! than it receives and the coat is deep, light may grow without bound: the linear system still has a solution, but a
+//! meaningless one with negative entries.
+// [GrantHunt1969] adding and back substitution; [BermanPlemmons1994] ch. 6, nonsingular M-matrices
 
-use super::coat::{HeightLevel, Orientation};
+use crate::bins::{BINS, HALF, centre, interpolate, neighbours, widths};
+use crate::operators::Operators;
 use faer::{Mat, linalg::solvers::Solve};
-use glam::Vec3;
-use pelage_fur::fibre::table::MEAN_GLINT;
-use pelage_fur::fibre::{Fibre, Hit};
-use pelage_fur::random::hash2;
-use sobol_burley::sample;
-use std::sync::LazyLock;
+use std::f64::consts::{PI, TAU};
 
-/// Bins of the cosine in a hemisphere. Fibres send light into cones: fewer bins spread it over inclinations by themselves.
-pub const HALF: usize = 24;
-/// Bins in the sphere, from straight down to straight up.
-pub const BINS: usize = 2 * HALF;
-
-/// Samples of the kernel for each bin, a power of two: of a scrambled Sobol sequence.
-const SAMPLES: u32 = 1024;
-
-/// Extinction and scattering for hairs of one brightness, by their depth.
-pub struct Operators {
-    /// For each bin.
-    pub extinction: [f64; BINS],
-    /// Radiance sent into bin o for a radiance of 1 from bin i: `[o][i]`.
-    pub kernel: Vec<[f64; BINS]>,
-    /// Extinction as the light lattice counts it.
-    pub counted: [f64; BINS],
-}
-
-/// An even layer of a coat: what [`Operators`] are, for the mixture of its hairs.
+/// A layer of a coat: the [`Operators`] of the mixture of its hairs, the same throughout.
 pub struct Layer {
-    /// Its depth.
-    pub thick: f64,
+    /// Its extent in depth, as [`crate::coat`] counts it.
+    pub thickness: f64,
     operators: Operators,
 }
 
 /// Scattered radiance in the coat.
 pub struct Solution {
-    /// Depths of the layers' boundaries from the top.
+    /// Depths of the layers' boundaries, from the top.
     depths: Vec<f64>,
-    /// Optical depths towards the lights there, as the light lattice counts them: `[boundary][light]`.
-    counted: Vec<Vec<f64>>,
-    /// `[depth][light][bin that it comes from]` for an irradiance of 1.
+    /// Optical depths towards the lights there as the optical-depth lattice counts them: `[boundary][light]`.
+    lattice_depths: Vec<Vec<f64>>,
+    /// Radiance for an irradiance of 1: `[boundary][light][bin that it arrives from]`.
     radiance: Vec<Vec<[f64; BINS]>>,
 }
 
-/// Edges of the bins: half way between even in the cosine and even in the angle.
-pub fn edges() -> [f64; BINS + 1] {
-    static EDGES: LazyLock<[f64; BINS + 1]> = LazyLock::new(|| {
-        std::array::from_fn(|k| {
-            let x = (k as f64 - HALF as f64) / HALF as f64;
-            0.5 * (x + (x * std::f64::consts::FRAC_PI_2).sin())
-        })
-    });
-    *EDGES
-}
-
-/// Widths of the bins in the cosine.
-pub fn widths() -> [f64; BINS] {
-    let e = edges();
-    std::array::from_fn(|k| e[k + 1] - e[k])
-}
-
-pub(super) fn centre(bin: usize) -> f64 {
-    let e = edges();
-    0.5 * (e[bin] + e[bin + 1])
-}
-
-/// The two bins around a cosine and the second one's weight.
-pub(super) fn around(mu: f64) -> (usize, usize, f64) {
-    let e = edges();
-    let centre = |k: usize| 0.5 * (e[k] + e[k + 1]);
-    let after = (0..BINS).find(|k| centre(*k) > mu).unwrap_or(BINS);
-    if after == 0 || after == BINS {
-        let k = if after == 0 { 0 } else { BINS - 1 };
-        return (k, k, 0.0);
-    }
-    let (a, b) = (centre(after - 1), centre(after));
-    (after - 1, after, (mu - a) / (b - a))
-}
-
-/// Two low-discrepancy numbers.
-pub(super) fn even_samples(i: u32) -> [f32; 2] {
-    [0, 1].map(|dimension| sample(i, dimension, 0))
-}
-
-/// Extinction by depth along a direction of cosine `mu`.
-pub(super) fn extinction_at(extinction: &[f64; BINS], mu: f64) -> f64 {
-    let (a, b, x) = around(mu);
-    extinction[a] + (extinction[b] - extinction[a]) * x
-}
-
-impl Operators {
-    /// Of hairs with these directions: exit directions even in their bin, the light's drawn by the model.
-    pub fn new(fibre: &Fibre, level: &HeightLevel, tint: f32, seed: u32) -> Self {
-        let hairs = &level.hairs;
-        let (edges, widths) = (edges(), widths());
-        let mut extinction = [0.0; BINS];
-        let mut kernel = vec![[0.0; BINS]; BINS];
-        for o in 0..BINS {
-            // Other errors in each bin, so that they do not add up.
-            let of_bin = hash2(seed, o as u32);
-            for k in 0..SAMPLES {
-                let random = |dimension| sample(k, dimension, of_bin);
-                let mu = edges[o] + widths[o] * f64::from(random(0));
-                let pick = (random(1) * hairs.len() as f32) as usize;
-                let turn = glam::Quat::from_rotation_z(std::f32::consts::TAU * random(2));
-                let Orientation { tangent, projected } = hairs[pick.min(hairs.len() - 1)];
-                let tangent = turn * tangent;
-                let w = Vec3::new((1.0 - mu * mu).sqrt() as f32, 0.0, mu as f32);
-                let (y, z) = tangent.any_orthonormal_pair();
-                let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
-                let wo = local(w);
-                let projected =
-                    f64::from((1.0 - wo.x * wo.x).max(0.0).sqrt() * projected) / f64::from(SAMPLES);
-                extinction[o] += projected;
-                let hit = Hit { tint: Vec3::splat(tint), glint_angle: MEAN_GLINT, h: 2.0 * random(3) - 1.0 };
-                if let Some(s) = fibre.sample(&hit, wo, [4, 5, 6, 7].map(random)) {
-                    let up = f64::from(s.direction.dot(local(Vec3::Z)));
-                    let bin = edges.partition_point(|e| *e <= up).clamp(1, BINS) - 1;
-                    kernel[o][bin] += projected * f64::from(s.weight.x);
-                }
-            }
-        }
-        Self { extinction, kernel, counted: level.counted.unwrap_or(extinction) }
-    }
-}
-
 impl Layer {
-    /// Without hairs.
-    pub fn empty(thick: f64) -> Self {
-        let none = [0.0; BINS];
-        Self { thick, operators: Operators { extinction: none, kernel: vec![none; BINS], counted: none } }
+    /// A layer without hairs.
+    pub fn empty(thickness: f64) -> Self {
+        Self { thickness, operators: Operators::none() }
     }
 
-    /// Adds hairs, `weight` of the layer's depth.
+    /// Adds hairs that make up the share `weight` of the layer's thickness.
     pub fn add(&mut self, hairs: &Operators, weight: f64) {
-        for o in 0..BINS {
-            self.operators.extinction[o] += weight * hairs.extinction[o];
-            self.operators.counted[o] += weight * hairs.counted[o];
-            for i in 0..BINS {
-                self.operators.kernel[o][i] += weight * hairs.kernel[o][i];
-            }
-        }
+        self.operators.add(hairs, weight);
     }
 
-    /// No more out than in.
-    fn cap(&mut self) {
-        let Operators { extinction, kernel, .. } = &mut self.operators;
-        for (row, extinction) in kernel.iter_mut().zip(extinction) {
-            let albedo = row.iter().sum::<f64>() / extinction.max(1e-12);
-            row.iter_mut().for_each(|k| *k /= albedo.max(1.0));
-        }
-    }
-
-    /// Extinction by depth along a direction of cosine `mu`.
+    /// Extinction for a depth of 1 along a direction of cosine `mu`.
     #[cfg(test)]
     pub fn extinction_at(&self, mu: f64) -> f64 {
-        extinction_at(&self.operators.extinction, mu)
+        interpolate(&self.operators.extinction, mu)
     }
 
-    /// Radiance sent towards cosine `mu` by depth for a radiance of 1 from `bin`.
+    /// Radiance sent towards the cosine `mu` by a depth of 1 for a radiance of 1 from `bin`.
     #[cfg(test)]
     pub fn kernel_at(&self, mu: f64, bin: usize) -> f64 {
-        let (a, b, x) = around(mu);
+        let (a, b, x) = neighbours(mu);
         let of = |o: usize| self.operators.kernel[o][bin];
         of(a) + (of(b) - of(a)) * x
     }
 }
 
-/// Place of `x` between two of `values`, which grow: the first's index and the second's weight.
+/// Where `x` lies between two of `count` increasing `values`: the index of the first and the weight of the second.
 fn between(values: impl Fn(usize) -> f64, count: usize, x: f64) -> (usize, f64) {
     let after = (1..count - 1).find(|k| values(*k) >= x).unwrap_or(count - 1);
     let (a, b) = (values(after - 1), values(after));
@@ -179,153 +100,261 @@ fn between(values: impl Fn(usize) -> f64, count: usize, x: f64) -> (usize, f64) 
 }
 
 impl Solution {
-    /// Radiance at `depth` from `bin` under light `light`.
+    /// Radiance at `depth` that arrives from `bin`, for light number `light`.
     pub fn radiance(&self, depth: f64, light: usize, bin: usize) -> f64 {
         let (k, x) = between(|k| self.depths[k], self.depths.len(), depth);
         let of = |k: usize| self.radiance[k][light][bin];
         of(k) + (of(k + 1) - of(k)) * x
     }
 
-    /// Depth at which the light lattice finds the optical depth `tau` towards a light.
+    /// Depth at which the optical-depth lattice counts the optical depth `tau` towards a light.
     pub fn depth(&self, tau: f64, light: usize) -> f64 {
-        let (k, x) = between(|k| self.counted[k][light], self.depths.len(), tau);
+        let (k, x) = between(|k| self.lattice_depths[k][light], self.depths.len(), tau);
         self.depths[k] + (self.depths[k + 1] - self.depths[k]) * x
+    }
+
+    /// No scattered light.
+    fn dark(lights: usize) -> Self {
+        Self {
+            depths: vec![0.0, 1.0],
+            lattice_depths: vec![vec![0.0; lights]; 2],
+            radiance: vec![vec![[0.0; BINS]; lights]; 2],
+        }
     }
 }
 
-/// Scattered radiance in layers, from the top down, on a skin, under directional lights of the given cosines to the normal, all above the
-/// horizon.
+/// Scattered radiance in `layers`, from the top down, on a Lambertian skin of reflectance `skin`, for directional lights of irradiance
+/// 1 whose cosines to the normal are given, all above the horizon.
 ///
-/// Layers have a source that is even in them; they are added from the skin upwards, and the radiances found from the top
-/// downwards, so that no order of scattering is cut off. Artists' lobes may send out more than comes in, and light
-/// that is scattered again and again in a deep coat of them would grow without end: then no hair sends out more than it takes.
+/// Artists' lobes may send out more light than they receive. If light then grows without bound, the coat is solved again with all
+/// directional albedos limited to 1; should rounding spoil that too, the result is dark.
 pub fn solve(mut layers: Vec<Layer>, skin: f64, lights: &[f64]) -> Solution {
-    if let Some(solution) = add(&layers, skin, lights) {
-        return solution;
+    solve_unlimited(&layers, skin, lights)
+        .or_else(|| {
+            layers.iter_mut().for_each(|layer| layer.operators.limit_albedo());
+            solve_unlimited(&layers, skin, lights)
+        })
+        .unwrap_or_else(|| Solution::dark(lights.len()))
+}
+
+/// Bin that a stream's light leaves into.
+fn leaving_bin(stream: usize) -> usize {
+    if stream < HALF { HALF + stream } else { BINS - 1 - stream }
+}
+
+/// Bin that a stream's light arrives from: light that goes up comes from below.
+fn arriving_bin(stream: usize) -> usize {
+    if stream < HALF { HALF - 1 - stream } else { stream }
+}
+
+/// What lies below a boundary: it sends `reflection` d + `emission` upwards for the radiance d that falls on it.
+struct Below {
+    /// `[stream up][stream down]`
+    reflection: Mat<f64>,
+    /// `[stream up][light]`
+    emission: Mat<f64>,
+}
+
+/// What a layer does with radiance at its boundaries: `[stream that leaves][stream that enters]`, and for sources
+/// `[stream that leaves][light]`.
+struct Response {
+    transmission_up: Mat<f64>,
+    transmission_down: Mat<f64>,
+    /// Light from above, sent back upwards.
+    reflection_up: Mat<f64>,
+    /// Light from below, sent back downwards.
+    reflection_down: Mat<f64>,
+    source_up: Mat<f64>,
+    source_down: Mat<f64>,
+}
+
+/// What back substitution needs of a layer.
+struct Eliminated {
+    transmission_down: Mat<f64>,
+    reflection_down: Mat<f64>,
+    source_down: Mat<f64>,
+    /// Sum over all reflections between the layer and what lies below it: (1 - P R↓)⁻¹.
+    bounces: Mat<f64>,
+    /// What lies below it.
+    below: Below,
+}
+
+/// Lights above a stack of layers.
+struct Beams<'a> {
+    /// Cosines to the normal.
+    cosines: &'a [f64],
+    /// Optical depths along the beams: `[boundary][light]`.
+    depths: Vec<Vec<f64>>,
+}
+
+/// [`solve`] with the albedos as they are; `None` where light grows without bound.
+fn solve_unlimited(layers: &[Layer], skin: f64, lights: &[f64]) -> Option<Solution> {
+    let beams = Beams { cosines: lights, depths: beam_depths(layers, lights, |op| &op.extinction) };
+    let mut below = on_skin(skin, &beams);
+    // From the skin upwards, each layer is added to what lies below it.
+    let mut stack = Vec::new();
+    for (k, layer) in layers.iter().enumerate().rev() {
+        let response = layer_response(layer, &beams, k)?;
+        let (eliminated, above) = put_on(response, below)?;
+        stack.push(eliminated);
+        below = above;
     }
-    layers.iter_mut().for_each(Layer::cap);
-    add(&layers, skin, lights).unwrap_or_else(|| Solution {
-        depths: vec![0.0, 1.0],
-        counted: vec![vec![0.0; lights.len()]; 2],
-        radiance: vec![vec![[0.0; BINS]; lights.len()]; 2],
+    // From the top downwards, the radiance at each boundary follows from that above.
+    let mut down = Mat::zeros(HALF, lights.len());
+    let mut radiance = vec![by_bin(&below.emission, &down)];
+    for layer in stack.iter().rev() {
+        let (up, next) = layer.radiance_below(&down);
+        radiance.push(by_bin(&up, &next));
+        down = next;
+    }
+    let mut depths = vec![0.0];
+    layers.iter().for_each(|layer| depths.push(depths[depths.len() - 1] + layer.thickness));
+    let lattice_depths = beam_depths(layers, lights, |op| &op.lattice_extinction);
+    Some(Solution { depths, lattice_depths, radiance })
+}
+
+/// Optical depths of the layers' boundaries along the lights' beams: `[boundary][light]`.
+fn beam_depths(
+    layers: &[Layer],
+    lights: &[f64],
+    extinction: fn(&Operators) -> &[f64; BINS],
+) -> Vec<Vec<f64>> {
+    let mut sums = vec![vec![0.0; lights.len()]];
+    for layer in layers {
+        let tau = |mu: f64| interpolate(extinction(&layer.operators), mu) / mu * layer.thickness;
+        let last = &sums[sums.len() - 1];
+        sums.push(last.iter().zip(lights).map(|(sum, mu)| sum + tau(*mu)).collect());
+    }
+    sums
+}
+
+/// The Lambertian skin below all layers, lit by what is left of the beams.
+fn on_skin(skin: f64, beams: &Beams) -> Below {
+    let flux: Vec<f64> = (0..HALF).map(|k| TAU * widths()[HALF + k] * centre(HALF + k)).collect();
+    let slants = &beams.depths[beams.depths.len() - 1];
+    Below {
+        reflection: Mat::from_fn(HALF, HALF, |_, i| skin / PI * flux[i]),
+        emission: Mat::from_fn(HALF, beams.cosines.len(), |_, l| {
+            skin / PI * beams.cosines[l] * (-slants[l]).exp()
+        }),
+    }
+}
+
+/// Emission by scattering from the beams in layer `k`, a mean over the layer: `[stream][light]`.
+fn beam_emission(layer: &Layer, beams: &Beams, k: usize) -> Mat<f64> {
+    let kernel = &layer.operators.kernel;
+    let widths = widths();
+    let around: Vec<_> = beams.cosines.iter().map(|mu| neighbours(*mu)).collect();
+    Mat::from_fn(BINS, beams.cosines.len(), |o, l| {
+        let slant = beams.depths[k + 1][l] - beams.depths[k][l];
+        let (a, b, x) = around[l];
+        // The kernel is for radiance from a whole bin; for an irradiance from one direction it is divided by the bin's solid angle.
+        let of = |i: usize| kernel[leaving_bin(o)][i] / (TAU * widths[i]);
+        let beam = of(a) + (of(b) - of(a)) * x;
+        beam * (-beams.depths[k][l]).exp() * -(-slant).exp_m1() / slant.max(1e-12)
     })
 }
 
-/// Whether a series 1 + A + A^2 + ... of a matrix A without negative entries has this sum: it has one if and only if the inverse of
-/// 1 - A has no negative entry.
-fn converges(inverse: &Mat<f64>) -> bool {
-    let least = (0..inverse.ncols()).flat_map(|i| (0..inverse.nrows()).map(move |o| inverse[(o, i)]));
-    least.fold(f64::INFINITY, f64::min) > -1e-9
+/// Transmission, reflection and sources of layer `k`; `None` where scattering within it does not converge.
+fn layer_response(layer: &Layer, beams: &Beams, k: usize) -> Option<Response> {
+    let op = &layer.operators;
+    let lights = beams.cosines.len();
+    let sigma: Vec<f64> = (0..BINS).map(|s| op.extinction[leaving_bin(s)].max(1e-6)).collect();
+    let kernel = Mat::from_fn(BINS, BINS, |o, i| op.kernel[leaving_bin(o)][arriving_bin(i)]);
+    // Optical thickness along each stream.
+    let x: Vec<f64> = (0..BINS).map(|s| sigma[s] * layer.thickness / centre(leaving_bin(s)).abs()).collect();
+    // H: mean over the layer of the transmittance from where a stream enters.
+    let h: Vec<f64> = x.iter().map(|x| -(-x).exp_m1() / x).collect();
+    let source = beam_emission(layer, beams, k);
+
+    // Mean radiance in the layer, of unit radiance that enters each stream and of each light: (1 - G K) I = [H | G s].
+    let g = |o: usize| (1.0 - h[o]) / sigma[o];
+    let system = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) - g(o) * kernel[(o, i)]);
+    let right = Mat::from_fn(BINS, BINS + lights, |o, i| match i.checked_sub(BINS) {
+        None => unit(o, i) * h[o],
+        Some(l) => g(o) * source[(o, l)],
+    });
+    let mean_radiance = system.partial_piv_lu().solve(&right);
+    // H is diagonal and positive and G s is not negative: they leave the signs of the inverse.
+    if !no_negative_entry(&mean_radiance) {
+        return None;
+    }
+
+    // What leaves: radiance that met no hair, and emission K I + s along the stream, (1 - exp(-x)) / σ of it.
+    let scattered = &kernel * &mean_radiance;
+    let along = |o: usize| x[o] * h[o] / sigma[o];
+    let out = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) * (-x[o]).exp() + along(o) * scattered[(o, i)]);
+    let sent = Mat::from_fn(BINS, lights, |o, l| along(o) * (source[(o, l)] + scattered[(o, BINS + l)]));
+
+    let block = |m: &Mat<f64>, row: usize, column: usize, columns: usize| {
+        Mat::from_fn(HALF, columns, |o, i| m[(row + o, column + i)])
+    };
+    let (up, down) = (0, HALF);
+    Some(Response {
+        transmission_up: block(&out, up, up, HALF),
+        transmission_down: block(&out, down, down, HALF),
+        reflection_up: block(&out, up, down, HALF),
+        reflection_down: block(&out, down, up, HALF),
+        source_up: block(&sent, up, 0, lights),
+        source_down: block(&sent, down, 0, lights),
+    })
 }
 
-/// [`solve`]; `None` where light would grow without end.
-fn add(layers: &[Layer], skin: f64, lights: &[f64]) -> Option<Solution> {
-    let n = HALF;
-    // Streams: 0..n go up, n..2n go down, each from flat to steep. A stream that goes up comes from below.
-    let leaving = |k: usize| if k < n { n + k } else { BINS - 1 - k };
-    let arriving = |k: usize| if k < n { n - 1 - k } else { k };
-    let mu: Vec<f64> = (0..BINS).map(|k| centre(leaving(k)).abs()).collect();
-    let flux: Vec<f64> = (0..n).map(|k| std::f64::consts::TAU * widths()[n + k] * centre(n + k)).collect();
-    let mut depths = vec![0.0];
-    layers.iter().for_each(|layer| depths.push(depths[depths.len() - 1] + layer.thick));
-    let added = |of: fn(&Operators) -> &[f64; BINS]| {
-        let mut sums = vec![vec![0.0; lights.len()]];
-        for layer in layers {
-            let tau = |mu: f64| extinction_at(of(&layer.operators), mu) / mu * layer.thick;
-            let last = &sums[sums.len() - 1];
-            sums.push(last.iter().zip(lights).map(|(sum, mu)| sum + tau(*mu)).collect());
-        }
-        sums
+/// Puts a layer on what lies `below`: what back substitution needs, and what then lies below the layer's upper boundary. `None`
+/// where light grows without bound between the two.
+fn put_on(layer: Response, below: Below) -> Option<(Eliminated, Below)> {
+    let Response {
+        transmission_up,
+        transmission_down,
+        reflection_up,
+        reflection_down,
+        source_up,
+        source_down,
+    } = layer;
+    let identity = || Mat::from_fn(HALF, HALF, unit);
+    let system = identity() - &below.reflection * &reflection_down;
+    let bounces = system.partial_piv_lu().solve(identity());
+    if !no_negative_entry(&bounces) {
+        return None;
+    }
+    let emitted = &bounces * (&below.reflection * &source_down + &below.emission);
+    let above = Below {
+        emission: source_up + &transmission_up * emitted,
+        reflection: reflection_up + &transmission_up * (&bounces * (&below.reflection * &transmission_down)),
     };
-    let slants = added(|op| &op.extinction);
-    let counted = added(|op| &op.counted);
+    Some((Eliminated { transmission_down, reflection_down, source_down, bounces, below }, above))
+}
 
-    struct Added {
-        down: Mat<f64>,
-        back: Mat<f64>,
-        source: Mat<f64>,
-        factor: Mat<f64>,
-        reflects: Mat<f64>,
-        emits: Mat<f64>,
+impl Eliminated {
+    /// Radiance up and down at the layer's lower boundary, for radiance `down` at its upper one: `[stream][light]`.
+    fn radiance_below(&self, down: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
+        let through = &self.transmission_down * down + &self.source_down;
+        let up = &self.bounces * (&self.below.reflection * &through + &self.below.emission);
+        let down = through + &self.reflection_down * &up;
+        (up, down)
     }
-    let mut reflects = Mat::from_fn(n, n, |_, i| skin / std::f64::consts::PI * flux[i]);
-    let mut emits = Mat::from_fn(n, lights.len(), |_, l| {
-        skin / std::f64::consts::PI * lights[l] * (-slants[layers.len()][l]).exp()
-    });
-    let lit: Vec<_> = lights.iter().map(|mu| (around(*mu), widths())).collect();
-    let mut stack = Vec::new();
-    for (k, layer) in layers.iter().enumerate().rev() {
-        let thick = layer.thick;
-        let op = &layer.operators;
-        let sigma: Vec<f64> = (0..BINS).map(|k| op.extinction[leaving(k)].max(1e-6)).collect();
-        let kernel = Mat::from_fn(BINS, BINS, |o, i| op.kernel[leaving(o)][arriving(i)]);
-        let x: Vec<f64> = (0..BINS).map(|s| sigma[s] * thick / mu[s]).collect();
-        let mean: Vec<f64> = x.iter().map(|x| -(-x).exp_m1() / x).collect();
-        // Radiance sent by the beams, a mean over the layer.
-        let source = Mat::from_fn(BINS, lights.len(), |o, l| {
-            let y = slants[k + 1][l] - slants[k][l];
-            let ((a, b, x), w) = &lit[l];
-            let of = |i: usize| op.kernel[leaving(o)][i] / (std::f64::consts::TAU * w[i]);
-            let beam = of(*a) + (of(*b) - of(*a)) * x;
-            beam * (-slants[k][l]).exp() * -(-y).exp_m1() / y.max(1e-12)
-        });
-        // Mean radiance in the layer: (1 - G K) I = G s + H in.
-        let g = |o: usize| (1.0 - mean[o]) / sigma[o];
-        let unit = |o, i| if o == i { 1.0 } else { 0.0 };
-        let system = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) - g(o) * kernel[(o, i)]);
-        let right = Mat::from_fn(BINS, BINS + lights.len(), |o, i| match i.checked_sub(BINS) {
-            None => unit(o, i) * mean[o],
-            Some(l) => g(o) * source[(o, l)],
-        });
-        let mean_radiance = system.partial_piv_lu().solve(&right);
-        let scattered = &kernel * &mean_radiance;
-        let q = |o: usize| x[o] * mean[o] / sigma[o];
-        let out = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) * (-x[o]).exp() + q(o) * scattered[(o, i)]);
-        let sent =
-            Mat::from_fn(BINS, lights.len(), |o, l| q(o) * (source[(o, l)] + scattered[(o, BINS + l)]));
-        let block = |m: &Mat<f64>, o: usize, i: usize, columns: usize| {
-            Mat::from_fn(n, columns, |a, b| m[(o + a, i + b)])
-        };
-        let (up, turned) = (block(&out, 0, 0, n), block(&out, 0, n, n));
-        let (back, down) = (block(&out, n, 0, n), block(&out, n, n, n));
-        let (sent_up, sent_down) = (block(&sent, 0, 0, lights.len()), block(&sent, n, 0, lights.len()));
-        // Between the layer and what lies below: u = P d + q, d = down d' + back u + s.
-        let loop_matrix = Mat::from_fn(n, n, unit) - &reflects * &back;
-        let factor = loop_matrix.partial_piv_lu().solve(Mat::from_fn(n, n, unit));
-        if !converges(&mean_radiance) || !converges(&factor) {
-            return None;
-        }
-        let below = &factor * (&reflects * &sent_down + &emits);
-        let next_emits = sent_up + &up * below;
-        let next_reflects = turned + &up * (&factor * (&reflects * &down));
-        stack.push(Added {
-            down,
-            back,
-            source: sent_down,
-            factor,
-            reflects: std::mem::replace(&mut reflects, next_reflects),
-            emits: std::mem::replace(&mut emits, next_emits),
-        });
-    }
-    let collect = |up: &Mat<f64>, down: &Mat<f64>| {
-        (0..lights.len())
-            .map(|l| {
-                let mut bins = [0.0; BINS];
-                for k in 0..n {
-                    bins[arriving(k)] = up[(k, l)];
-                    bins[arriving(n + k)] = down[(k, l)];
-                }
-                bins
-            })
-            .collect::<Vec<_>>()
-    };
-    let mut down = Mat::zeros(n, lights.len());
-    let mut radiance = vec![collect(&emits, &down)];
-    for layer in stack.iter().rev() {
-        let through = &layer.down * &down + &layer.source;
-        let up = &layer.factor * (&layer.reflects * &through + &layer.emits);
-        down = through + &layer.back * &up;
-        radiance.push(collect(&up, &down));
-    }
-    Some(Solution { depths, counted, radiance })
+}
+
+fn unit(o: usize, i: usize) -> f64 {
+    if o == i { 1.0 } else { 0.0 }
+}
+
+/// Whether a matrix that solves a system 1 - A has no negative entry but for rounding: only then does the series over A converge.
+fn no_negative_entry(inverse: &Mat<f64>) -> bool {
+    let entries = (0..inverse.ncols()).flat_map(|i| (0..inverse.nrows()).map(move |o| inverse[(o, i)]));
+    entries.fold(f64::INFINITY, f64::min) > -1e-9
+}
+
+/// Radiance at a boundary by light and by the bin that it arrives from, from that by stream and light.
+fn by_bin(up: &Mat<f64>, down: &Mat<f64>) -> Vec<[f64; BINS]> {
+    (0..up.ncols())
+        .map(|l| {
+            let mut bins = [0.0; BINS];
+            for k in 0..HALF {
+                bins[arriving_bin(k)] = up[(k, l)];
+                bins[arriving_bin(HALF + k)] = down[(k, l)];
+            }
+            bins
+        })
+        .collect()
 }

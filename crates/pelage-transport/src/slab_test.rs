@@ -1,7 +1,9 @@
 //! The adding method against Monte Carlo in the same medium.
 
-use super::slab::*;
+use crate::bins::{BINS, HALF, centre, widths};
 use crate::coat::{Medium, orientations};
+use crate::operators::Operators;
+use crate::slab::{Layer, Solution, solve};
 use glam::Vec3;
 use pelage_fur::fibre::{Chiang, Fibre, Hit, KajiyaKay};
 use pelage_fur::random::{hash2, random};
@@ -10,11 +12,11 @@ use std::f64::consts::PI;
 /// Reflectance of the skin.
 const SKIN: f64 = 0.3;
 
-fn solved(m: &Medium, tint: f32, light: f64) -> (Solution, Layer) {
-    // Between the brightnesses of a operators there would be errors of interpolation.
-    let op = Operators::new(&m.kinds[0].fibre, &m.kinds[0].levels[0], tint, m.seed);
-    let layer = |thick: f64| {
-        let mut layer = Layer::empty(thick);
+fn solved(m: &Medium, albedo: f32, light: f64) -> (Solution, Layer) {
+    // Operators of just this albedo: interpolation between those of a table has errors of its own.
+    let op = Operators::new(&m.kinds[0].fibre, &m.kinds[0].levels[0], albedo, m.seed);
+    let layer = |thickness: f64| {
+        let mut layer = Layer::empty(thickness);
         layer.add(&op, 1.0);
         layer
     };
@@ -43,8 +45,8 @@ fn around_normal(seed: u32, light: Vec3) -> Vec3 {
     glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, 30)) * light
 }
 
-/// A random walk from the eye: light scattered once or more times to `view` for an irradiance of 1 from `light`.
-fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
+/// Random walks from the view: radiance sent to `view` for an irradiance of 1 from `light`, all orders of scattering.
+fn monte_carlo(m: &Medium, albedo: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
     let (fibre, depth) = (&m.kinds[0].fibre, m.depth());
     let orientations = &m.kinds[0].levels[0].hairs;
     let hairs: Vec<(Vec3, f32)> = orientations.iter().map(|s| (s.tangent, s.projected)).collect();
@@ -89,7 +91,7 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
                 let d = pelage_fur::random::random_direction(seed, 1) + Vec3::Z;
                 w = d.normalize_or(Vec3::Z);
             } else {
-                // A hair in proportion to what it shows.
+                // A hair drawn in proportion to its projected area.
                 let mut k = 10;
                 let (tangent, projected) = loop {
                     let (t, of) = turned(seed, k);
@@ -103,7 +105,7 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
                 let (y, z) = tangent.any_orthonormal_pair();
                 let local = |v: Vec3| Vec3::new(tangent.dot(v), y.dot(v), z.dot(v));
                 let h = 2.0 * random(seed, 4) - 1.0;
-                let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h };
+                let hit = Hit { tint: Vec3::splat(albedo), glint_angle: 0.65, h };
                 let (wo, wi) = (local(-w), local(light));
                 let cos = (1.0 - wi.x * wi.x).max(0.0).sqrt();
                 sum += weight * f64::from(fibre.evaluate(&hit, wi, wo).x * cos) * (-slant * at).exp();
@@ -122,10 +124,10 @@ fn monte_carlo(m: &Medium, tint: f32, light: Vec3, view: Vec3, walks: u32) -> f6
     sum / f64::from(walks)
 }
 
-/// The same by the solution: scattered once as the walk's first order, and more often from the bins.
-fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
+/// The same by the adding method: light scattered once is evaluated as in the walks, the rest from the solution's bins.
+fn by_adding(m: &Medium, albedo: f32, light: Vec3, view: Vec3) -> f64 {
     let (l, v) = (f64::from(light.z), f64::from(view.z));
-    let (solution, op) = solved(m, tint, l);
+    let (solution, op) = solved(m, albedo, l);
     let (fibre, orientations, depth) = (&m.kinds[0].fibre, &m.kinds[0].levels[0].hairs, m.depth());
     let steps = 4000;
     let dz = depth / f64::from(steps);
@@ -138,7 +140,7 @@ fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
             let (y, z) = t.any_orthonormal_pair();
             let local = |v: Vec3| Vec3::new(t.dot(v), y.dot(v), z.dot(v));
             let (wi, wo) = (local(around_normal(seed, light)), local(view));
-            let hit = Hit { tint: Vec3::splat(tint), glint_angle: 0.65, h: 2.0 * random(seed, 2) - 1.0 };
+            let hit = Hit { tint: Vec3::splat(albedo), glint_angle: 0.65, h: 2.0 * random(seed, 2) - 1.0 };
             let sines = ((1.0 - wi.x * wi.x) * (1.0 - wo.x * wo.x)).max(0.0).sqrt();
             f64::from(fibre.evaluate(&hit, wi, wo).x * sines * hair.projected)
         })
@@ -151,20 +153,20 @@ fn by_adding(m: &Medium, tint: f32, light: Vec3, view: Vec3) -> f64 {
         let often: f64 = (0..BINS).map(|bin| op.kernel_at(v, bin) * solution.radiance(at, 0, bin)).sum();
         sum += (-sv * at).exp() / v * (often + once * (-sl * at).exp()) * dz;
     }
-    // Through the coat to the skin, by what falls on it.
+    // The skin, seen through the coat, by the irradiance on it.
     let falling: f64 = (HALF..BINS)
         .map(|bin| 2.0 * PI * widths()[bin] * centre(bin) * solution.radiance(depth, 0, bin))
         .sum();
     sum + SKIN / PI * (falling + l * (-sl * depth).exp()) * (-sv * depth).exp()
 }
 
-fn agrees(fibre: fn() -> Fibre, tint: f32, depth: f64, bound: f64) {
+fn agrees(fibre: fn() -> Fibre, albedo: f32, depth: f64, bound: f64) {
     for (light, view) in [(20.0, 50.0), (70.0, 30.0)] {
         let m = medium(fibre(), depth);
-        let wanted = monte_carlo(&m, tint, toward(light), toward(view), 20_000);
-        let found = by_adding(&m, tint, toward(light), toward(view));
+        let wanted = monte_carlo(&m, albedo, toward(light), toward(view), 20_000);
+        let found = by_adding(&m, albedo, toward(light), toward(view));
         println!(
-            "{:?}, tint {tint}, depth {depth}, light {light}, view {view}: {found:.4}, walks {wanted:.4}, ratio {:.3}",
+            "{:?}, albedo {albedo}, depth {depth}, light {light}, view {view}: {found:.4}, walks {wanted:.4}, ratio {:.3}",
             std::mem::discriminant(&m.kinds[0].fibre),
             found / wanted
         );
@@ -174,10 +176,10 @@ fn agrees(fibre: fn() -> Fibre, tint: f32, depth: f64, bound: f64) {
 
 #[test]
 fn adding_agrees_with_monte_carlo_for_hairs_that_scatter_all_round() {
-    for (tint, depth) in [(0.5, 20.0), (0.9, 20.0), (0.9, 1.0)] {
-        agrees(diffuse, tint, depth, 0.06);
+    for (albedo, depth) in [(0.5, 20.0), (0.9, 20.0), (0.9, 1.0)] {
+        agrees(diffuse, albedo, depth, 0.06);
     }
-    // A wrong coat is noticed: brighter hairs.
+    // The comparison notices hairs that are too bright.
     let m = medium(diffuse(), 20.0);
     let wanted = monte_carlo(&m, 0.5, toward(20.0), toward(50.0), 6000);
     assert!(by_adding(&m, 0.6, toward(20.0), toward(50.0)) > 1.1 * wanted);
@@ -185,8 +187,8 @@ fn adding_agrees_with_monte_carlo_for_hairs_that_scatter_all_round() {
 
 #[test]
 fn adding_agrees_with_monte_carlo_for_hairs_that_scatter_into_cones() {
-    for (tint, depth) in [(0.5, 20.0), (0.9, 20.0), (0.9, 1.0)] {
-        agrees(chiang, tint, depth, 0.1);
+    for (albedo, depth) in [(0.5, 20.0), (0.9, 20.0), (0.9, 1.0)] {
+        agrees(chiang, albedo, depth, 0.1);
     }
 }
 

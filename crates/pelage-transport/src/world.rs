@@ -1,8 +1,8 @@
-//! The flat coat that stands for that of a world.
+//! The flat coat that represents the fur of a world: its mean over the skin.
 
-use super::coat::{Hairs, HeightLevel, Medium, Orientation, Part, extinction, orientations};
-use super::slab::BINS;
-use super::{Table, Terms};
+use crate::bins::BINS;
+use crate::coat::{Hairs, HeightLevel, Medium, Orientation, Part, extinction, orientations};
+use crate::{Table, Terms};
 use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_fur::groom;
@@ -18,17 +18,17 @@ use pelage_fur::surface::vertex_uv;
 use pelage_fur::undercoat::{Undercoat, mean_color};
 use std::f32::consts::FRAC_PI_4;
 
-/// Points of the skin at which the coat is looked at.
+/// About as many points of the skin at which the groom is sampled.
 const POINTS: usize = 64;
-/// Slices from the tip of the longest hair down to the skin.
+/// Slices between the tips of the longest hairs and the skin, of equal height.
 const SLICES: usize = 32;
-/// Stations of each kind of hairs.
+/// Levels at which the directions of each kind of hairs are sampled.
 const LEVELS: usize = 4;
-/// Guard hairs that are looked at for each triangle of those chosen.
+/// Guard hairs that are sampled on each chosen triangle.
 const GUARD_HAIRS: u32 = 8;
 
 impl Table {
-    /// The table for the fur of `world`, whose groom is `packed`.
+    /// The table for the fur of `world`, whose groom is `packed`, with the terms that the scene asks for.
     pub fn of_world(world: &World, packed: &PackedGroom) -> Self {
         let multiple = &world.scene.render.multiple;
         let terms = Terms {
@@ -40,36 +40,25 @@ impl Table {
     }
 }
 
-/// A piece of a guard hair.
+/// A segment of a sampled guard hair.
 struct Piece {
-    /// Above the skin, cm.
+    /// Height of its middle above the skin, cm.
     height: f32,
-    /// Length times diameter by the skin's area.
+    /// Length times diameter per area of skin, for all hairs that it represents.
     depth: f32,
+    /// Unit, root to tip; z is the skin's normal.
     tangent: Vec3,
+    /// Linear RGB.
     color: Vec3,
 }
 
-/// The mean of a world's coat over its skin. Without undercoat it consists of guard hairs.
+/// The mean of a world's coat over its skin. The coat's mean albedo is that of the undercoat, also where guard hairs alone grow.
 pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
-    let surface = &world.skin;
-    let maps = Maps { groom: &packed.groom, texels: &packed.texels };
-    let uv = vertex_uv(surface);
-    let points: Vec<SkinPoint> = (0..surface.positions.len())
-        .step_by((surface.positions.len() / POINTS).max(1))
-        .map(|v| SkinPoint {
-            position: surface.positions[v],
-            normal: surface.normals[v],
-            uv: Vec2::from(uv[v]),
-            color: surface.colors.get(v).copied().unwrap_or(Vec3::ONE),
-        })
-        .collect();
-    let count = points.len().max(1) as f32;
-    let mean = |of: &dyn Fn(&SkinPoint) -> f32| points.iter().map(of).sum::<f32>() / count;
-    let mean_of = |which| Vec3::from_array([0, 1, 2].map(|c| mean(&|p| maps.color(which, p)[c])));
+    let samples = SkinSamples::new(world, packed);
     let (fur, scene) = (&packed.fur, &world.scene);
-    let skin = mean_of(Parameter::BaseColor).to_array().map(|x| f64::from(x.clamp(0.0, 1.0)));
-    let ends = [Parameter::UndercoatColorRoot, Parameter::UndercoatColorTip].map(mean_of);
+    let skin = samples.mean_color(Parameter::BaseColor).to_array().map(|x| f64::from(x.clamp(0.0, 1.0)));
+    let ends =
+        [Parameter::UndercoatColorRoot, Parameter::UndercoatColorTip].map(|which| samples.mean_color(which));
     let whole = mean_color(&packed.undercoat_fibre, ends[0], ends[1]);
     let power = |color: Vec3| {
         let log = |x: f32| x.clamp(1e-3, 0.995).ln();
@@ -77,48 +66,16 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     };
 
     let coated = groom::has_undercoat(scene);
-    let height = if coated { mean(&|p| maps.scalar(Parameter::UndercoatHeight, p)) } else { 0.0 };
+    let height = if coated { samples.mean_scalar(Parameter::UndercoatHeight) } else { 0.0 };
     let pieces = if groom::has_guard(scene) { guard_pieces(world, packed) } else { Vec::new() };
     let top = pieces.iter().map(|p| p.height).fold(height, f32::max).max(1e-3);
-    let slice = top / SLICES as f32;
-    // From the top down.
-    let middles: Vec<f32> = (0..SLICES).map(|k| top - (k as f32 + 0.5) * slice).collect();
     let mut kinds = Vec::new();
+    // By kind, then by slice.
     let mut parts: Vec<Vec<Part>> = Vec::new();
     if coated {
-        let shell = Shell::default();
-        let coat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
-        let lean = Vec3::from(fur.lean).length();
-        let levels = (0..LEVELS)
-            .map(|k| 1.0 - k as f32 / (LEVELS - 1) as f32)
-            .map(|t| {
-                // The light lattice knows the lean alone.
-                let tangent = Vec3::new(lean * t, 0.0, 1.0).normalize();
-                let leaning = Orientation { tangent, projected: 1.0 / tangent.z.max(0.3) };
-                let even = [f64::from(FRAC_PI_4 * leaning.projected); BINS];
-                HeightLevel {
-                    hairs: orientations(lean, fur.tangent_jitter, fur.jitter_exponent, t),
-                    counted: Some(if fur.isotropic == 1 { even } else { extinction(leaning) }),
-                }
-            })
-            .collect();
-        kinds.push(Hairs { fibre: packed.undercoat_fibre.clone(), levels });
-        let of_slice = |z: &f32| {
-            let t = z / height.max(1e-6);
-            let thick = |p: &SkinPoint| {
-                let domain = if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position };
-                let density = maps.scalar(Parameter::UndercoatDensity, p) / scene.undercoat.density.max();
-                density * coat.clump_density(domain, domain, t)
-            };
-            let depth = if t < 1.0 { fur.extinction * mean(&thick) * slice } else { 0.0 };
-            let t = t.min(1.0);
-            Part {
-                depth: f64::from(depth),
-                place: f64::from(1.0 - t) * (LEVELS - 1) as f64,
-                power: power(ends[0].lerp(ends[1], t)),
-            }
-        };
-        parts.push(middles.iter().map(of_slice).collect());
+        let power = |t: f32| power(ends[0].lerp(ends[1], t));
+        kinds.push(Hairs { fibre: packed.undercoat_fibre.clone(), levels: undercoat_levels(packed) });
+        parts.push(undercoat_parts(world, &samples, height, top, &power));
     }
     if !pieces.is_empty() {
         let (levels, of_slice) = guard_parts(pieces, top, &power);
@@ -128,7 +85,7 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     let slices: Vec<Vec<Part>> =
         (0..SLICES).map(|k| parts.iter().map(|of_kind| of_kind[k]).collect()).collect();
     if kinds.is_empty() || slices.iter().flatten().all(|p| p.depth <= 0.0) {
-        // Nothing to scatter: the skin alone, behind a breath of hairs.
+        // Nothing to scatter: the skin alone, below a few hairs that hardly count.
         return Medium::even(
             packed.undercoat_fibre.clone(),
             orientations(0.0, 0.0, 1.0, 0.0),
@@ -140,13 +97,99 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     Medium { kinds, slices, skin, seed: fur.seed }
 }
 
-/// Pieces of guard hairs on some triangles.
+/// Points of the skin over which parameters of the groom are averaged.
+struct SkinSamples<'a> {
+    packed: &'a PackedGroom,
+    maps: Maps<'a>,
+    points: Vec<SkinPoint>,
+}
+
+impl<'a> SkinSamples<'a> {
+    fn new(world: &World, packed: &'a PackedGroom) -> Self {
+        let surface = &world.skin;
+        let uv = vertex_uv(surface);
+        let points = (0..surface.positions.len())
+            .step_by((surface.positions.len() / POINTS).max(1))
+            .map(|v| SkinPoint {
+                position: surface.positions[v],
+                normal: surface.normals[v],
+                uv: Vec2::from(uv[v]),
+                color: surface.colors.get(v).copied().unwrap_or(Vec3::ONE),
+            })
+            .collect();
+        Self { packed, maps: Maps { groom: &packed.groom, texels: &packed.texels }, points }
+    }
+
+    fn mean(&self, of: impl Fn(&SkinPoint) -> f32) -> f32 {
+        self.points.iter().map(of).sum::<f32>() / self.points.len().max(1) as f32
+    }
+
+    fn mean_scalar(&self, which: Parameter) -> f32 {
+        self.mean(|p| self.maps.scalar(which, p))
+    }
+
+    fn mean_color(&self, which: Parameter) -> Vec3 {
+        Vec3::from_array([0, 1, 2].map(|c| self.mean(|p| self.maps.color(which, p)[c])))
+    }
+}
+
+/// Height of the middle of slice `k`, cm, where the longest hairs reach up to `top`.
+fn slice_middle(k: usize, top: f32) -> f32 {
+    top - (k as f32 + 0.5) * (top / SLICES as f32)
+}
+
+/// Directions of the undercoat's hairs at levels, from the top down.
+fn undercoat_levels(packed: &PackedGroom) -> Vec<HeightLevel> {
+    let fur = &packed.fur;
+    let lean = Vec3::from(fur.lean).length();
+    (0..LEVELS)
+        .map(|k| 1.0 - k as f32 / (LEVELS - 1) as f32)
+        .map(|t| {
+            // The optical-depth lattice knows the lean, but not the jitter.
+            let leaning = Orientation::leaning(Vec3::new(lean * t, 0.0, 1.0).normalize());
+            let isotropic = [f64::from(FRAC_PI_4 * leaning.projected); BINS];
+            HeightLevel {
+                hairs: orientations(lean, fur.tangent_jitter, fur.jitter_exponent, t),
+                lattice_extinction: Some(if fur.isotropic == 1 { isotropic } else { extinction(leaning) }),
+            }
+        })
+        .collect()
+}
+
+/// The undercoat's part of each slice, where it is `height` cm high and the longest hairs reach up to `top`. `power` is
+/// [`Part::power`] at a relative height.
+fn undercoat_parts(
+    world: &World,
+    samples: &SkinSamples,
+    height: f32,
+    top: f32,
+    power: &dyn Fn(f32) -> [f32; 3],
+) -> Vec<Part> {
+    let (fur, maps) = (&samples.packed.fur, &samples.maps);
+    let shell = Shell::default();
+    let undercoat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
+    let slice = top / SLICES as f32;
+    let part = |k: usize| {
+        let t = slice_middle(k, top) / height.max(1e-6);
+        let density = |p: &SkinPoint| {
+            let domain = if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position };
+            let density = maps.scalar(Parameter::UndercoatDensity, p) / world.scene.undercoat.density.max();
+            density * undercoat.clump_density(domain, domain, t)
+        };
+        let depth = if t < 1.0 { fur.extinction * samples.mean(density) * slice } else { 0.0 };
+        let t = t.min(1.0);
+        Part { depth: f64::from(depth), level: f64::from(1.0 - t) * (LEVELS - 1) as f64, power: power(t) }
+    };
+    (0..SLICES).map(part).collect()
+}
+
+/// Segments of guard hairs that are sampled on about [`POINTS`] triangles.
 fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     let (surface, groom) = (&world.skin, &packed.groom);
     let uv = vertex_uv(surface);
     let chosen: Vec<[u32; 3]> =
         surface.triangles.iter().copied().step_by((surface.triangles.len() / POINTS).max(1)).collect();
-    // A shell of these triangles alone, for the roots.
+    // A shell of these triangles alone, in which the roots are placed.
     let corners = || chosen.iter().flatten().map(|v| *v as usize);
     let vertex = |v: usize| {
         let c = surface.colors.get(v).copied().unwrap_or(Vec3::ONE);
@@ -182,13 +225,13 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
         for k in 0..groom.segments {
             let [a, b] = [k, k + 1].map(|k| k as f32 / groom.segments as f32);
             let s = 0.5 * (a + b);
-            let way = strand.point(groom, b) - strand.point(groom, a);
+            let along = strand.point(groom, b) - strand.point(groom, a);
             let above = strand.point(groom, s) - strand.root;
             let opacity = groom.opacity * (-groom.tip_fade * s).exp();
             pieces.push(Piece {
                 height: above.dot(strand.normal).max(0.0),
-                depth: density * way.length() * thickness * diameter(groom, s) * opacity,
-                tangent: Vec3::new(way.dot(side), way.dot(other), way.dot(strand.normal))
+                depth: density * along.length() * thickness * diameter(groom, s) * opacity,
+                tangent: Vec3::new(along.dot(side), along.dot(other), along.dot(strand.normal))
                     .normalize_or(Vec3::Z),
                 color: colors[0]
                     .lerp(colors[1], tip_share(groom.color_transition, s))
@@ -199,7 +242,7 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     pieces
 }
 
-/// Directions of guard hairs at levels, and their parts of the slices.
+/// Directions of guard hairs at levels, from the top down, and their part of each slice. `power` is [`Part::power`] of a colour.
 fn guard_parts(
     mut pieces: Vec<Piece>,
     top: f32,
@@ -207,7 +250,7 @@ fn guard_parts(
 ) -> (Vec<HeightLevel>, Vec<Part>) {
     pieces.sort_by(|a, b| b.height.total_cmp(&a.height));
     let whole: f32 = pieces.iter().map(|p| p.depth).sum();
-    // Each level stands for a quarter of the hairs.
+    // Each level represents an equal share of the depth, by as many hairs, drawn in proportion to their depth.
     let per_level = 256;
     let mut levels = vec![Vec::new(); LEVELS];
     let mut heights = [0.0; LEVELS];
@@ -227,7 +270,8 @@ fn guard_parts(
     for level in levels.iter_mut().filter(|s| s.is_empty()) {
         level.push(Orientation { tangent: last, projected: 1.0 });
     }
-    let place = |z: f32| {
+    // Position between the levels of a height above the skin.
+    let level_at = |z: f32| {
         let k = (1..LEVELS - 1).find(|k| heights[*k] <= z).unwrap_or(LEVELS - 1);
         let x = (heights[k - 1] - z) / (heights[k - 1] - heights[k]).max(1e-6);
         (k - 1) as f64 + f64::from(x.clamp(0.0, 1.0))
@@ -244,11 +288,11 @@ fn guard_parts(
         .enumerate()
         .map(|(k, (depth, color))| Part {
             depth: f64::from(*depth),
-            place: place(top - (k as f32 + 0.5) * slice),
+            level: level_at(slice_middle(k, top)),
             power: power(*color / depth.max(1e-12)),
         })
         .collect();
-    // The light lattice does not keep the directions of guard hairs.
-    let counted = Some([f64::from(FRAC_PI_4); BINS]);
-    (levels.into_iter().map(|hairs| HeightLevel { hairs, counted }).collect(), parts)
+    // The optical-depth lattice does not keep the directions of guard hairs: it takes the mean sine of the angle to a ray.
+    let lattice_extinction = Some([f64::from(FRAC_PI_4); BINS]);
+    (levels.into_iter().map(|hairs| HeightLevel { hairs, lattice_extinction }).collect(), parts)
 }
