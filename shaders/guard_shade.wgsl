@@ -9,7 +9,7 @@
 @group(0) @binding(3) var<uniform> groom: Groom;
 @group(0) @binding(4) var<uniform> lights: Lights;
 @group(0) @binding(5) var<uniform> guard_fibre: Fibre;
-@group(0) @binding(6) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(6) var<storage, read> maps_and_tables: array<vec2u>;
 @group(0) @binding(7) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(8) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(9) var<storage, read> corner_uv: array<vec2f>;
@@ -50,7 +50,7 @@ fn eye_tau(cell: LatticeCell) -> f32 {
     var least = TAU_BLOCKED;
     for (var k = 0u; k < 3u; k++) {
         let node = node_index(cell.columns[k], cell.level);
-        least = min(least, min(node_tau(node, fur.lights), node_tau(node + 1u, fur.lights)));
+        least = min(least, min(node_tau(node, fur.lights.count), node_tau(node + 1u, fur.lights.count)));
     }
     return least;
 }
@@ -66,7 +66,7 @@ fn scattered_light(cell: LatticeCell) -> array<vec3f, 2> {
     var sum = array<vec2f, 3>();
     for (var k = 0u; k < 3u; k++) {
         let low = scattered_word(node_index(cell.columns[k], cell.level));
-        let high = low + fur.tau_stride;
+        let high = low + fur.lattice.tau_stride;
         for (var word = 0u; word < 3u; word++) {
             sum[word] += cell.weights[k]
                 * mix(unpack2x16float(tau[low + word]), unpack2x16float(tau[high + word]), cell.fraction);
@@ -111,12 +111,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             place.t = max(0.0, dot(x - at.position, at.normal) * inverse_height);
         }
         let cell = lattice_cell(&place);
-        if fur.opacity_cut > 0.0 && inside && eye_tau(cell) > HIDDEN_TAU {
+        if fur.undercoat.opacity_cut > 0.0 && inside && eye_tau(cell) > HIDDEN_TAU {
             shades[first + k] = pack_half4(vec4f(0.0, 0.0, 0.0, 1.0));
             continue;
         }
         var radiance = vec3f(0.0);
-        for (var j = 0u; j < fur.lights; j++) {
+        for (var j = 0u; j < fur.lights.count; j++) {
             let depth = select(0.0, cell_tau(cell, j), groom.paper == 0u);
             let through = light_through(depth, tint);
             if MULTIPLE == MULTIPLE_DUAL {

@@ -82,14 +82,14 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     let raised = layer_at(&place, t).n;
     let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
     // The first and the last node of a column stand for half a cell.
-    let cells = select(1.0, 0.5, level == 0u || level == fur.levels);
-    let volume = columns[column].area * spread * length(extrusion(&place)) * fur.light_reach / f32(fur.levels) * cells;
+    let cells = select(1.0, 0.5, level == 0u || level == fur.lattice.levels);
+    let volume = columns[column].area * spread * length(extrusion(&place)) * fur.lattice.reach / f32(fur.lattice.levels) * cells;
     let guard = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);
     var undercoat = 0.0;
-    if t <= 1.0 && fur.extinction > 0.0 {
+    if t <= 1.0 && fur.undercoat.extinction > 0.0 {
         let p = noise_point(&place, place.lambda);
         let tangent = mean_tangent(normalize(extrusion(&place)), t);
-        undercoat = fur.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
+        undercoat = fur.undercoat.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
     }
     lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));
 }

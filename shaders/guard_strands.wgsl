@@ -5,7 +5,7 @@
 
 @group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> groom: Groom;
-@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(3) var<storage, read> maps_and_tables: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;

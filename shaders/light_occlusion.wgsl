@@ -86,14 +86,14 @@ fn blocked(origin: vec3f, ray: vec3f) -> bool {
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
-    if i >= fur.columns {
+    if i >= fur.lattice.columns {
         return;
     }
     var place: Place;
     // Slightly above the skin even where there is no undercoat.
-    let origin = enter_node(&place, i, fur.levels) + normalize(cross(place.e1, place.e2)) * 1e-3;
+    let origin = enter_node(&place, i, fur.lattice.levels) + normalize(cross(place.e1, place.e2)) * 1e-3;
     var bits = vec2u(0u);
-    for (var j = 0u; j < fur.lights; j++) {
+    for (var j = 0u; j < fur.lights.count; j++) {
         if blocked(origin, lights.lights[j].direction) {
             bits[blocked_word(j)] |= blocked_bit(j);
         }

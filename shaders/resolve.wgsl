@@ -1,6 +1,6 @@
 // Step 7: fragments to film samples. `exact` reads the fragments of a sample in order and marches
 // the undercoat between them, so that both media attenuate each other at their true depths without
-// virtual fragments; `stored` sorts and blends the fragments that undercoat_march stored: shell
+// virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored: shell
 // fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, the volume, `source` (light at the lattice's nodes), `base_records`.
 // Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`, counters.
@@ -9,8 +9,8 @@
 @group(0) @binding(2) var<uniform> noise: Noise;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(5) var<storage, read> cells: array<u32>;
-@group(0) @binding(6) var<storage, read> source: array<vec4u>;
+@group(0) @binding(5) var<storage, read> media_or_uv: array<u32>;
+@group(0) @binding(6) var<storage, read> node_light: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
@@ -26,7 +26,7 @@
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
-#import shared/uv_in_cells
+#import shared/uv_in_media
 #import shared/volume
 #import shared/lattice
 #import shared/record
@@ -119,7 +119,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         more = batch.more;
         var next = 0u;
         // Each round takes at most one step of the march and all fragments up to its end.
-        while g.through > fur.opacity_cut && (next < batch.count || (march.marching && !more)) {
+        while g.through > fur.undercoat.opacity_cut && (next < batch.count || (march.marching && !more)) {
             // Fragments outside the undercoat.
             while !march.marching && next < batch.count {
                 let key = batch.source[next];
@@ -174,7 +174,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 march.marching = false;
             }
         }
-        more = more && g.through > fur.opacity_cut;
+        more = more && g.through > fur.undercoat.opacity_cut;
         if more {
             z_after = batch.z[BATCH - 1u];
             source_after = batch.source[BATCH - 1u];
@@ -198,14 +198,14 @@ fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
             return max(0.0, alpha);
         }
         if kind == KIND_STRAND {
-            alpha -= node_color((*batch).node[k]).a * exp(-fur.attenuation * ((*batch).z[k] - z_shell));
+            alpha -= node_color((*batch).node[k]).a * exp(-fur.undercoat.attenuation * ((*batch).z[k] - z_shell));
         }
     }
     return max(0.0, alpha);
 }
 
 @compute @workgroup_size(64)
-fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
     if i >= tile_samples() {
         return;
@@ -217,7 +217,7 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
     var z_after = -1.0;
     var source_after = 0u;
     var more = true;
-    while more && g.through > fur.opacity_cut {
+    while more && g.through > fur.undercoat.opacity_cut {
         read_batch(&batch, i, z_after, source_after);
         g.fragments = batch.length;
         more = batch.more;
@@ -229,7 +229,7 @@ fn stored(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) gro
                 put_strand(&g, node_color(batch.node[k]), z_after);
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
-                if fur.virtual_fragments == 0u {
+                if fur.undercoat.virtual_fragments == 0u {
                     // A shell fragment needs the strands behind it: where the batch ends early, the
                     // list is read again from here.
                     if k > 0u && batch.more {

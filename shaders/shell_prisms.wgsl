@@ -10,7 +10,7 @@ struct ShellCounts {
 
 @group(0) @binding(1) var<uniform> shell_counts: ShellCounts;
 @group(0) @binding(2) var<uniform> groom: Groom;
-@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(3) var<storage, read> maps_and_tables: array<vec2u>;
 @group(0) @binding(4) var<storage, read> skin_vertices: array<ShellVertex>; // height: unused
 @group(0) @binding(5) var<storage, read> triangles: array<u32>;
 @group(0) @binding(6) var<storage, read> vertex_uv: array<vec2f>;

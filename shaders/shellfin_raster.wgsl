@@ -19,7 +19,7 @@ struct FinEdge {
 
 @group(0) @binding(1) var<uniform> shellfin: Shellfin;
 @group(0) @binding(2) var<uniform> groom: Groom;
-@group(0) @binding(3) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(3) var<storage, read> maps_and_tables: array<vec2u>;
 @group(0) @binding(4) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(5) var<storage, read> base_light: array<vec2u>;
 @group(0) @binding(6) var<storage, read> fur_corners: array<FurCorner>;

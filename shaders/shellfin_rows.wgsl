@@ -24,7 +24,7 @@ struct LightingTable {
 @group(0) @binding(4) var<uniform> lights: Lights;
 @group(0) @binding(5) var<uniform> guard_fibre: Fibre;
 @group(0) @binding(6) var<uniform> undercoat_fibre: Fibre;
-@group(0) @binding(7) var<storage, read> map_texels: array<vec2u>;
+@group(0) @binding(7) var<storage, read> maps_and_tables: array<vec2u>;
 @group(0) @binding(8) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(9) var<storage, read> vertex_uv: array<vec2f>;
 @group(0) @binding(10) var<storage, read> tau: array<u32>;
@@ -152,7 +152,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         lean = mean_tangent(n, min(height, 1.0));
     }
     if shellfin.lighting == 1u {
-        for (var j = 0u; j < fur.lights; j++) {
+        for (var j = 0u; j < fur.lights.count; j++) {
             let l = lights.lights[j].direction;
             let value = table(dot(tangent, l), dot(tangent, normalize(l + view + n * 1e-4)));
             undercoat += lights.lights[j].irradiance * value;
@@ -161,7 +161,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         guard = undercoat;
     } else {
         let sides = sides_of(tangent);
-        for (var j = 0u; j < fur.lights; j++) {
+        for (var j = 0u; j < fur.lights.count; j++) {
             let l = lights.lights[j].direction;
             let depth = column_tau(v, height, j);
             if lights.lights[j].undercoat == 1u {

@@ -49,11 +49,11 @@ fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
 fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
-    var step = 0.5 * fur.light_step;
+    var step = 0.5 * fur.undercoat.light_step;
     var distance = 0.0;
     for (var i = 0u; i < 200u; i++) {
         let state = locate(&place, x + (distance + 0.5 * step) * w, w, 2u);
-        if state != INSIDE || place.t > fur.light_reach {
+        if state != INSIDE || place.t > fur.lattice.reach {
             break;
         }
         if place.t < -0.02 {
@@ -64,7 +64,7 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
             return TAU_BLOCKED;
         }
         distance += step;
-        step = min(fur.light_step, step * 1.5);
+        step = min(fur.undercoat.light_step, step * 1.5);
     }
     return sum;
 }
@@ -87,13 +87,13 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
     var place = *start;
     solve(&place, x, w, 0u);
     let slope = place.dt_dz;
-    if sweep.level == fur.levels {
+    if sweep.level == fur.lattice.levels {
         if slope > 0.0 {
             return select(0.0, TAU_BLOCKED, behind);
         }
     } else {
         let distance = (level_height(sweep.level + 1u) - place.t) / slope;
-        if slope > 0.0 && distance < CLIMB_LIMIT * fur.light_step {
+        if slope > 0.0 && distance < CLIMB_LIMIT * fur.undercoat.light_step {
             var sum = 0.0;
             var state = INSIDE;
             for (var part = 0u; part < 2u; part++) {
@@ -111,7 +111,7 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
         }
     }
     // Steeply down through the fur: it would leave again only through the thinnest limb.
-    if slope * fur.height < STEEP {
+    if slope * fur.undercoat.height < STEEP {
         return TAU_BLOCKED;
     }
     place = *start;
@@ -122,23 +122,23 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let i = linear_index(id, groups);
     let pairs = tau_pairs();
-    if i >= fur.columns * pairs {
+    if i >= fur.lattice.columns * pairs {
         return;
     }
     // Consecutive invocations follow the same lights.
-    let column = i % fur.columns;
-    let pair = i / fur.columns;
+    let column = i % fur.lattice.columns;
+    let pair = i / fur.lattice.columns;
     var place: Place;
     let x = enter_node(&place, column, sweep.level);
     var values = vec2f(0.0);
     for (var k = 0u; k < 2u; k++) {
         let j = 2u * pair + k;
-        if j < fur.lights {
+        if j < fur.lights.count {
             let behind = (columns[column].blocked[blocked_word(j)] & blocked_bit(j)) != 0u;
             values[k] = optical_depth(&place, x, lights.lights[j].direction, j, behind);
-        } else if j == fur.lights {
+        } else if j == fur.lights.count {
             values[k] = optical_depth(&place, x, to_eye(x), j, false);
         }
     }
-    tau[node_index(column, sweep.level) * fur.tau_stride + pair] = pack2x16float(values);
+    tau[node_index(column, sweep.level) * fur.lattice.tau_stride + pair] = pack2x16float(values);
 }

@@ -8,8 +8,8 @@
 @group(0) @binding(2) var<uniform> noise: Noise;
 @group(0) @binding(3) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;
-@group(0) @binding(5) var<storage, read> cells: array<u32>;
-@group(0) @binding(6) var<storage, read> source: array<vec4u>;
+@group(0) @binding(5) var<storage, read> media_or_uv: array<u32>;
+@group(0) @binding(6) var<storage, read> node_light: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> fragment_lists: array<atomic<u32>>;
 @group(0) @binding(9) var<storage, read_write> march_counters: array<atomic<u32>>;
@@ -23,7 +23,7 @@
 #import shared/undercoat
 #import shared/clumps
 #import shared/shell
-#import shared/uv_in_cells
+#import shared/uv_in_media
 #import shared/volume
 #import shared/lattice
 #import shared/record
@@ -47,7 +47,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var march: March;
     var place: Place;
     begin_ray(&march, sample_ray(xy));
-    let virtual_fragments = fur.virtual_fragments;
+    let virtual_fragments = fur.undercoat.virtual_fragments;
     var z_after = 0.0;
     var source_after = 0u;
     var serial = 0u;
@@ -77,7 +77,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         var chunk = vec4f(0.0); // premultiplied
         var chunk_z = z_entry;
         var closed = 0u;        // virtual fragments that are full
-        while march.marching && through > fur.opacity_cut {
+        while march.marching && through > fur.undercoat.opacity_cut {
             next_step(&march, &place);
             if !march.marching {
                 break;

@@ -10,7 +10,7 @@
 @group(0) @binding(4) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(5) var<storage, read> columns: array<Column>;
 @group(0) @binding(6) var<storage, read_write> tau: array<u32>;
-@group(0) @binding(7) var<storage, read_write> source: array<vec4u>;
+@group(0) @binding(7) var<storage, read_write> node_light: array<vec4u>;
 @group(0) @binding(8) var<storage, read_write> base_light: array<vec2u>; // three halves
 @group(0) @binding(9) var<uniform> undercoat_fibre: Fibre;
 @group(0) @binding(10) var table_sampler: sampler;
@@ -61,7 +61,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var field = mat3x4f();
     var above = vec3f(0.0);       // radiance that falls on guard hairs
     var below = vec3f(0.0);
-    for (var j = 0u; j < fur.lights; j++) {
+    for (var j = 0u; j < fur.lights.count; j++) {
         let depth = node_tau(node, j);
         let light = lights.lights[j];
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_DUAL {
@@ -76,9 +76,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             field += mat3x4f(light.irradiance.r * of_light[0], light.irradiance.g * of_light[1],
                 light.irradiance.b * of_light[2]);
         }
-        if j == fur.key_lights.x && fur.keys > 0u {
+        if j == fur.lights.key_lights.x && fur.lights.keys > 0u {
             key_tau.x = depth;
-        } else if j == fur.key_lights.y && fur.keys > 1u {
+        } else if j == fur.lights.key_lights.y && fur.lights.keys > 1u {
             key_tau.y = depth;
         } else if light.undercoat == 1u {
             ambient += light.irradiance * light_through(depth, albedo)
@@ -94,11 +94,11 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     ambient += scattered / max(undercoat_factor(albedo), vec3f(1e-3));
     let log_ambient = log2(max(ambient, vec3f(1e-7)));
-    source[node] = vec4u(pack_half4(vec4f(log_ambient, columns[column].density)), pack2x16float(key_tau),
+    node_light[node] = vec4u(pack_half4(vec4f(log_ambient, columns[column].density)), pack2x16float(key_tau),
         pack_albedo(albedo));
     if level == 0u {
         var radiance = vec3f(0.0);
-        for (var j = 0u; j < fur.lights; j++) {
+        for (var j = 0u; j < fur.lights.count; j++) {
             let facing = max(0.0, dot(normal, lights.lights[j].direction));
             radiance += lights.lights[j].irradiance * facing * light_through(node_tau(node, j), albedo);
         }

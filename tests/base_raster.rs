@@ -40,7 +40,7 @@ fn samples_see_the_triangles_of_the_twin() {
     for mesh in ["shape = \"torus\"\nsize = 2", "shape = \"cylinder_pelt\"\nsize = 2\nrotate = [20, 40, 0]"] {
         let fixture = fixture(gpu, mesh);
         let shell = &fixture.shell;
-        let light: Vec<[u32; 2]> = fixture.read("base_light", fixture.fur.columns as usize);
+        let light: Vec<[u32; 2]> = fixture.read("base_light", fixture.fur.lattice.columns as usize);
         for (origin, size) in [([0, 0], FILM), ([37, 20], [41, 33])] {
             let tile = fixture.tile(FILM, origin, size, 16);
             tile.draw_base().unwrap();

@@ -284,7 +284,7 @@ fn the_renderer_draws_what_is_written() {
         }
         close(extras.guard_variance, fur.rows.shellfin.spread.powi(2));
         close(extras.fins.depth, fur.fur.fin_depth);
-        let lean = Vec3::from(fur.fur.prepared().fur.lean);
+        let lean = Vec3::from(fur.fur.prepared().fur.undercoat.lean);
         let last = extras.strays[5].lean.map(Vec3::from);
         let wanted = lean * (2.5 * 5.5 / 6.0 / 4.0);
         assert!(last.map_or(source != BakeSource::Hybrid, |l| l.distance(wanted) < 1e-5), "{last:?}");

@@ -22,7 +22,7 @@ fn haired(size: f32, guard: &str) -> pelage_core::World {
 /// The deposits, computed again into a separate buffer.
 fn redrawn(fixture: &Fixture) -> Vec<u32> {
     let p = &fixture.prepared;
-    let nodes = (fixture.fur.columns * (fixture.fur.levels + 1)) as usize;
+    let nodes = (fixture.fur.lattice.columns * (fixture.fur.lattice.levels + 1)) as usize;
     let buffer = p.gpu.storage("deposits", 2, nodes as u64 * 4).unwrap();
     let extinction = p.gpu.storage("lattice_extinction", 2, nodes as u64 * 4).unwrap();
     let strands = p.resident.as_ref().unwrap();
@@ -60,13 +60,14 @@ fn deposits_are_those_of_the_twin() {
         let off: f64 = found.iter().zip(&wanted).map(|(a, b)| (a - b).abs()).sum();
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // The result of the passes.
-        let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
+        let columns: Vec<Column> = fixture.read("columns", fixture.fur.lattice.columns as usize);
         let coat = fixture.evaluated_undercoat();
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
         let mut seen = [0.0f32; 2];
         for (i, word) in kept.iter().enumerate() {
-            let (column, level) = (i as u32 / (fixture.fur.levels + 1), i as u32 % (fixture.fur.levels + 1));
-            let wanted = extinction(&coat, &columns[column as usize], level, found[i]);
+            let (column, level) =
+                (i as u32 / (fixture.fur.lattice.levels + 1), i as u32 % (fixture.fur.lattice.levels + 1));
+            let wanted = extinction(&fixture.fur, &coat, &columns[column as usize], level, found[i]);
             let halves = [*word as u16, (*word >> 16) as u16].map(|h| half::f16::from_bits(h).to_f32());
             for k in 0..2 {
                 seen[k] = seen[k].max(wanted[k]);
@@ -100,11 +101,11 @@ fn node_volumes_fill_the_shell() {
     // A flat skin: the shell is a slab.
     world.skin = scaled(jittered_grid(6, 0.0), 1.0, 6.0);
     let fixture = Fixture::new(gpu, world);
-    let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
-    let levels = 0..=fixture.fur.levels;
+    let columns: Vec<Column> = fixture.read("columns", fixture.fur.lattice.columns as usize);
+    let levels = 0..=fixture.fur.lattice.levels;
     let volumes =
         columns.iter().flat_map(|c| levels.clone().map(|l| volume(&fixture.shell, &fixture.fur, c, l)));
     let sum: f64 = volumes.map(f64::from).sum();
-    let slab = 36.0 * 0.3 * f64::from(fixture.fur.light_reach);
+    let slab = 36.0 * 0.3 * f64::from(fixture.fur.lattice.reach);
     assert!((sum - slab).abs() < 1e-3 * slab, "{sum} {slab}");
 }

@@ -13,14 +13,14 @@ fn both(gpu: &'static pelage_gpu::Gpu, mesh: &str) -> (u32, Vec<(u64, u64)>) {
         "[mesh]\n{mesh}\n{LIGHTS}[undercoat]\nheight = 0.05\nlayers = 1\nsubdivision = 0\n[render]\nfur = \"implicit\"\n"
     );
     let fixture = Fixture::new(gpu, gpu::world(&scene));
-    let columns: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
+    let columns: Vec<Column> = fixture.read("columns", fixture.fur.lattice.columns as usize);
     // Some 200 columns: the twin is slow.
     let step = columns.len() / 200 + 1;
     let thinned: Vec<&Column> = columns.iter().step_by(step).collect();
     let lights = &fixture.packed.lights;
     let wanted = thinned.iter().map(|c| bits(&fixture.shell, &fixture.fur, lights, c));
     let found = thinned.iter().map(|c| u64::from(c.blocked[0]) | (u64::from(c.blocked[1]) << 32));
-    (fixture.fur.lights, found.zip(wanted).collect())
+    (fixture.fur.lights.count, found.zip(wanted).collect())
 }
 
 #[test]

@@ -150,7 +150,7 @@ fn roots_of_the_undercoat_are_poisson_and_those_of_the_guard_hairs_are_not() {
 fn mean_density(world: &World) -> f64 {
     let packed = groom::pack(world).expect("a groom");
     let shell = pelage_fur::shell::Shell::default();
-    let coat = Undercoat { fur: &packed.fur, noise: Field::new(3), shell: &shell, cells: &[] };
+    let coat = Undercoat { parameters: &packed.undercoat, noise: Field::new(3), shell: &shell, cells: &[] };
     let at = |k: u32| coat.clump_density(Vec3::ZERO, Vec3::ZERO, (k as f32 + 0.5) / 1000.0);
     (0..1000).map(|k| f64::from(at(k))).sum::<f64>() / 1000.0
 }
@@ -201,9 +201,9 @@ fn even_slab_follows_beer_and_lambert() {
 fn crossings(world: &World, strands: &Strands, t: f32, against: f32) -> [f64; 3] {
     const N: usize = 20;
     let packed = groom::pack(world).expect("a groom");
-    let fur = pelage_fur::layout::FurParameters { diameter_ratio: 1.0, ..packed.fur };
+    let fur = pelage_fur::layout::UndercoatParameters { diameter_ratio: 1.0, ..packed.undercoat };
     let shell = shell_of(world, &packed);
-    let coat = Undercoat { fur: &fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
+    let coat = Undercoat { parameters: &fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
     let k = (t * strands.segments as f32) as usize;
     let mut seen = vec![0.0f64; N * N];
     for (hair, points) in strands.hairs.iter().zip(strands.points.chunks(strands.segments + 1)) {

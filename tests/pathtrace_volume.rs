@@ -5,7 +5,7 @@ use crate::common::gpu;
 use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_fur::groom;
-use pelage_fur::layout::FurParameters;
+use pelage_fur::layout::UndercoatParameters;
 use pelage_fur::random::random;
 use pelage_fur::shell::{Located, Place, Shell};
 use pelage_fur::shell_prisms::shell_of;
@@ -27,7 +27,7 @@ fn furry(mesh: &str, coat: &str) -> World {
 /// A fur as volume and as hairs.
 struct Both {
     shell: Shell,
-    fur: FurParameters,
+    fur: UndercoatParameters,
     strands: Strands,
     /// Centroids of the triangles, cm.
     middles: Vec<Vec3>,
@@ -40,7 +40,7 @@ impl Both {
         let middles = (0..world.skin.triangles.len())
             .map(|t| world.skin.corners(t).into_iter().sum::<Vec3>() / 3.0)
             .collect();
-        Self { shell: shell_of(world, &packed), fur: packed.fur, strands: layers.remove(0), middles }
+        Self { shell: shell_of(world, &packed), fur: packed.undercoat, strands: layers.remove(0), middles }
     }
 
     /// The place of a point, if it lies in the shell.
@@ -60,7 +60,7 @@ impl Both {
     /// crowding, and as it is.
     fn march(&self, x: Vec3, w: Vec3, length: f32) -> [f64; 2] {
         const STEP: f32 = 0.01;
-        let coat = Undercoat { fur: &self.fur, noise: Field::new(2), shell: &self.shell, cells: &[] };
+        let coat = Undercoat { parameters: &self.fur, noise: Field::new(2), shell: &self.shell, cells: &[] };
         let mut sums = [0.0; 2];
         let mut place = None;
         for i in 0..(length / STEP) as u32 {

@@ -9,7 +9,7 @@ use pelage_core::scene::{Blend, Scene};
 use pelage_fur::random::random;
 use pelage_fur::view::sample_ray;
 use pelage_render::twin::film::Sample;
-use pelage_render::twin::resolve::{Gathered, Kind, Node, exact, simplified_alpha, stored};
+use pelage_render::twin::resolve::{Gathered, Kind, Node, blend_fragments, exact, simplified_alpha};
 use pelage_render::twin::undercoat_march::first_phase;
 
 /// Largest difference of a resolved sample.
@@ -50,7 +50,7 @@ fn agreement(blend: Blend, tolerance: f32) -> f64 {
             let ray = sample_ray(&m.tile.frame, xy);
             exact(&inputs, list.clone(), ray, first_phase(&m.tile.frame, xy), bases[i])
         } else {
-            stored(fur, list.clone(), bases[i])
+            blend_fragments(&fur.undercoat, list.clone(), bases[i])
         };
         if list.is_empty() && bases[i].is_none() {
             assert_eq!(found[i].through, 1.0);
@@ -159,7 +159,7 @@ fn long_lists_agree_with_the_twin() {
         let found = resolved(&m, &lists, 0);
         let mut worst = (0f32, 0);
         for (i, list) in lists.iter().enumerate() {
-            let d = difference(&found[i], &stored(&m.fixture.fur, list.clone(), None));
+            let d = difference(&found[i], &blend_fragments(&m.fixture.fur.undercoat, list.clone(), None));
             if d > worst.0 {
                 worst = (d, i);
             }
@@ -212,7 +212,7 @@ fn limits_of_the_simplified_alpha() {
 #[test]
 fn limits_of_the_simplified_alpha_on_the_gpu() {
     let Some(m) = empty(Blend::Simplified) else { return };
-    let a = m.fixture.fur.attenuation;
+    let a = m.fixture.fur.undercoat.attenuation;
     let lists = vec![
         shell_and_strands(0.75, &[]),
         shell_and_strands(0.75, &[(40.0, 1.0)]),
@@ -234,7 +234,7 @@ fn virtual_fragments_tend_to_the_strand_in_fog() {
     let (s, length, z, a, c) = (2f32, 1.5f32, 0.6f32, 0.7f32, 0.9f32);
     let before = 1.0 - (-s * z).exp();
     let exact = before + (1.0 - before) * (a * c + (1.0 - a) * (1.0 - (-s * (length - z)).exp()));
-    let mut fur = pelage_fur::groom::pack(&ball(|_| ())).expect("a groom").fur;
+    let mut fur = pelage_fur::groom::pack(&ball(|_| ())).expect("a groom").undercoat;
     fur.virtual_fragments = 1;
     let error = |k: u32| {
         let mut nodes = vec![Node { z, source: 7, color: Vec4::new(c, c, c, 1.0) * a }];
@@ -243,7 +243,7 @@ fn virtual_fragments_tend_to_the_strand_in_fog() {
             let middle = (i as f32 + 0.5) * length / k as f32;
             nodes.push(Node { z: middle, source: (2 << 30) | i, color: Vec4::splat(alpha) });
         }
-        let g = stored(&fur, nodes, None);
+        let g = blend_fragments(&fur, nodes, None);
         ((g.guard + g.undercoat) - Vec3::splat(exact)).abs().max_element()
     };
     let errors = [1, 4, 16, 64].map(error);

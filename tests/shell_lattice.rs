@@ -3,7 +3,7 @@
 use crate::common::gpu::{self, Fixture, image, jittered_grid, scaled, world_on};
 use bytemuck::Zeroable;
 use glam::Vec3;
-use pelage_fur::layout::{Column, FurParameters, Prism, ShellVertex};
+use pelage_fur::layout::{Column, FurParameters, LatticeParameters, Prism, ShellVertex};
 use pelage_fur::random::random;
 use pelage_fur::shell::{Place, Shell};
 use pelage_render::twin::lattice::{self, cell, column_index, column_lambda, node_index};
@@ -29,8 +29,8 @@ fn columns_are_those_of_the_twin() {
     let Some(gpu) = gpu::open() else { return };
     for (size, edge) in [(0.1, 1), (1.0, 5)] {
         let fixture = Fixture::new(gpu, furry(size));
-        assert_eq!(fixture.fur.lattice, edge);
-        let found: Vec<Column> = fixture.read("columns", fixture.fur.columns as usize);
+        assert_eq!(fixture.fur.lattice.cells, edge);
+        let found: Vec<Column> = fixture.read("columns", fixture.fur.lattice.columns as usize);
         let twin = |c| shell_lattice::column(&fixture.shell, &fixture.fur, &fixture.maps(), c);
         let wanted: Vec<Column> = found.iter().map(twin).collect();
         let mut densities = Vec::new();
@@ -78,11 +78,14 @@ fn lattice_of(n: u32) -> (Shell, FurParameters) {
     };
     let vertices: Vec<ShellVertex> = (0..skin.positions.len()).map(vertex).collect();
     let fur = FurParameters {
-        lattice: n,
-        levels: 5,
-        light_reach: 1.6,
-        vertices: vertices.len() as u32,
-        edges: known.len() as u32,
+        lattice: LatticeParameters {
+            cells: n,
+            levels: 5,
+            reach: 1.6,
+            vertices: vertices.len() as u32,
+            edges: known.len() as u32,
+            ..LatticeParameters::zeroed()
+        },
         ..FurParameters::zeroed()
     };
     (Shell { vertices, prisms, corner_uv: Vec::new(), light_reach: 1.6 }, fur)
@@ -107,7 +110,7 @@ fn columns_are_numbered_without_gaps_and_shared() {
     for n in 1..=8 {
         let (shell, fur) = lattice_of(n);
         let inner = (n - 1) * n.saturating_sub(2) / 2;
-        let count = fur.vertices + fur.edges * (n - 1) + shell.prisms.len() as u32 * inner;
+        let count = fur.lattice.vertices + fur.lattice.edges * (n - 1) + shell.prisms.len() as u32 * inner;
         let mut stands: Vec<Option<Vec3>> = vec![None; count as usize];
         for prism in 0..shell.prisms.len() as u32 {
             let place = shell.enter(prism);
@@ -132,9 +135,10 @@ fn columns_are_numbered_without_gaps_and_shared() {
                 (found.weights.element_sum() - 1.0).abs() < 1e-5 && found.weights.min_element() > -1e-5,
                 "{found:?}"
             );
-            assert!(found.level < fur.levels && (0.0..=1.0).contains(&found.fraction), "{found:?}");
-            let height = (found.level as f32 + found.fraction) / fur.levels as f32 * fur.light_reach;
-            assert!((height - place.t.clamp(0.0, fur.light_reach)).abs() < 1e-5, "{found:?}");
+            assert!(found.level < fur.lattice.levels && (0.0..=1.0).contains(&found.fraction), "{found:?}");
+            let height =
+                (found.level as f32 + found.fraction) / fur.lattice.levels as f32 * fur.lattice.reach;
+            assert!((height - place.t.clamp(0.0, fur.lattice.reach)).abs() < 1e-5, "{found:?}");
             let stand = |k: usize| stands[found.columns[k] as usize].unwrap();
             let back: Vec3 = (0..3).map(|k| found.weights[k] * stand(k)).sum();
             let wanted = place.point(0.0, place.lambda);

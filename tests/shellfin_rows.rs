@@ -21,7 +21,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
     let (shells, uv) = (world.scene.shells.clone(), gpu::vertex_uv(&world.skin));
     let fur = Fur::new(gpu, world, even(source, 6, source == BakeSource::Hybrid), Vec3::new(0.1, -0.2, 0.05));
     let prepared = fur.fur.prepared();
-    let layout = prepared.fur;
+    let layout = prepared.fur.lattice;
     let words = u64::from(layout.columns) * u64::from(layout.levels + 1) * u64::from(layout.tau_stride);
     let tau: Vec<u32> = gpu.read(prepared.buffer("tau").unwrap(), words * 4).unwrap();
     let vertices = fur.vertices(gpu);
@@ -41,7 +41,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
     disturb(&mut fibre);
     let hair = Hair {
         shellfin: &fur.rows.shellfin,
-        fur: &layout,
+        fur: &prepared.fur,
         maps: Maps { groom: &packed.groom, texels: &packed.texels },
         lights: &packed.lights,
         fibre: &fibre,

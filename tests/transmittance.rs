@@ -21,7 +21,8 @@ const LAYERS: u32 = 32;
 fn optical_depth(world: &World, angle: f64) -> f64 {
     let packed = pelage_fur::groom::pack(world).expect("a groom");
     let shell = Shell::default();
-    let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
+    let undercoat =
+        Undercoat { parameters: &packed.undercoat, noise: Field::new(0), shell: &shell, cells: &[] };
     let at =
         |layer: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (layer as f32 + 0.5) / LAYERS as f32, 0).density;
     let mean = (0..LAYERS).map(|l| f64::from(at(l))).sum::<f64>() / f64::from(LAYERS);

@@ -47,7 +47,7 @@ fn the_volume_is_that_of_the_twin() {
     ];
     for (undercoat, seed) in cases {
         let fixture = Fixture::new(gpu, furry(undercoat, seed));
-        assert_eq!(fixture.fur.storage, 1);
+        assert!(fixture.prepared.variant.stored);
         let wanted = twin(&fixture);
         let (density, tangent) = differences(&fixture, &wanted);
         // Half a step of the stored density and of the octahedral map, and rounding.
@@ -65,8 +65,8 @@ fn the_volume_is_that_of_the_twin() {
 fn another_seed_is_seen() {
     let Some(gpu) = gpu::open() else { return };
     let fixture = Fixture::new(gpu, furry("subdivision = 2", 3));
-    let other = pelage_fur::layout::FurParameters { seed: 4, ..fixture.fur };
-    let wanted = media(&Undercoat { fur: &other, ..fixture.evaluated_undercoat() });
+    let other = pelage_fur::layout::UndercoatParameters { seed: 4, ..fixture.fur.undercoat };
+    let wanted = media(&Undercoat { parameters: &other, ..fixture.evaluated_undercoat() });
     let (density, tangent) = differences(&fixture, &wanted);
     assert!(density > 0.05 && tangent > 0.05, "{density} {tangent}");
 }

@@ -19,19 +19,22 @@ fn node_errors(factor: f32) -> Option<(f64, f64)> {
     let lit = Lit::new(gpu::open()?, ball(|_| ()));
     let fur = lit.fixture.fur;
     let guard: Vec<f32> = lit.guard.iter().map(|g| g * factor).collect();
-    let medium = Attenuator { undercoat: lit.undercoat(), densities: &lit.densities, guard: &guard };
+    let medium =
+        Attenuator { fur: &fur, undercoat: lit.undercoat(), densities: &lit.densities, guard: &guard };
     let light = lit.lattice();
     let (mut sum, mut absolute, mut count) = (0f64, 0f64, 0);
-    for column in (0..fur.columns).filter(|c| hash2(*c, 1).is_multiple_of(8)) {
-        for level in 0..=fur.levels {
+    for column in (0..fur.lattice.columns).filter(|c| hash2(*c, 1).is_multiple_of(8)) {
+        for level in 0..=fur.lattice.levels {
             let place = lit.place(column, level);
             let x = place.point(place.t, place.lambda);
-            for j in 0..fur.lights {
+            for j in 0..fur.lights.count {
                 let w = Vec3::from(lit.fixture.packed.lights[j as usize].direction);
                 // Where the skin blocks the light, the lookup is more exact; the ball is convex, so
                 // that its shell is never entered twice.
-                let wanted = medium.optical_depth(&place, x, w, fur.light_step / 6.0);
-                let d = f64::from((-light.tau(column * (fur.levels + 1) + level, j)).exp() - (-wanted).exp());
+                let wanted = medium.optical_depth(&place, x, w, fur.undercoat.light_step / 6.0);
+                let d = f64::from(
+                    (-light.tau(column * (fur.lattice.levels + 1) + level, j)).exp() - (-wanted).exp(),
+                );
                 sum += d;
                 absolute += d.abs();
                 count += 1;
@@ -62,10 +65,10 @@ fn look_up_stands_for_the_nested_march() {
     let Some(gpu) = gpu::open() else { return };
     let m = Marched::new(gpu, ball(|s| s.render.fur = FurLayers::Implicit), [48, 32], [0, 0], [48, 32]);
     let fur = m.fixture.fur;
-    let densities = vec![1.0; fur.columns as usize];
-    let guard = vec![0.0; (fur.columns * (fur.levels + 1)) as usize];
+    let densities = vec![1.0; fur.lattice.columns as usize];
+    let guard = vec![0.0; (fur.lattice.columns * (fur.lattice.levels + 1)) as usize];
     let inputs = m.inputs();
-    let medium = Attenuator { undercoat: inputs.undercoat, densities: &densities, guard: &guard };
+    let medium = Attenuator { fur: &fur, undercoat: inputs.undercoat, densities: &densities, guard: &guard };
     let luminance = |c: Vec3| f64::from(c.dot(Vec3::new(0.2126, 0.7152, 0.0722)));
     let (mut looked_up, mut nested, mut squares, mut count) = (0f64, 0f64, 0f64, 0);
     let nodes = m.nodes();
@@ -81,10 +84,10 @@ fn look_up_stands_for_the_nested_march() {
             let albedo = look_up(&inputs, &s.place).albedo;
             let tangent = inputs.undercoat.at(&s.place).tangent;
             let mut exact = Vec3::ZERO;
-            for light in &m.fixture.packed.lights[..fur.lights as usize] {
+            for light in &m.fixture.packed.lights[..fur.lights.count as usize] {
                 let l = Vec3::from(light.direction);
-                let tau = medium.optical_depth(&s.place, x, l, fur.light_step / 4.0);
-                let seen = (-tau * (1.0 - fur.forward_scattering * albedo)).exp();
+                let tau = medium.optical_depth(&s.place, x, l, fur.undercoat.light_step / 4.0);
+                let seen = (-tau * (1.0 - fur.undercoat.forward_scattering * albedo)).exp();
                 exact += Vec3::from(light.irradiance)
                     * seen
                     * scatter(inputs.coat, tangent, l, view, albedo)

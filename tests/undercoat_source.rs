@@ -51,14 +51,14 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
     );
     let fur = &lit.fixture.fur;
     let light = lit.lattice();
-    let source: Vec<[u32; 4]> = lit.fixture.read("source", lit.nodes());
-    let base: Vec<[u32; 2]> = lit.fixture.read("base_light", fur.columns as usize);
+    let source: Vec<[u32; 4]> = lit.fixture.read("node_light", lit.nodes());
+    let base: Vec<[u32; 2]> = lit.fixture.read("base_light", fur.lattice.columns as usize);
     let (mut brightest, mut worst, mut on_guard) = (0f32, 0f32, 0f32);
-    for column in 0..fur.columns {
-        for level in 0..=fur.levels {
+    for column in 0..fur.lattice.columns {
+        for level in 0..=fur.lattice.levels {
             let place = lit.place(column, level);
             let wanted = light.source(column, level, &place);
-            let found = unpack(source[(column * (fur.levels + 1) + level) as usize]);
+            let found = unpack(source[(column * (fur.lattice.levels + 1) + level) as usize]);
             // Of logarithms; where little is scattered towards the camera, a table's error is relative to
             // its peak.
             let dim = if matches!(model, FibreModel::Chiang | FibreModel::Medulla) { -5.0 } else { -30.0 };
@@ -70,7 +70,7 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
             assert!((found.albedo - wanted.albedo).abs().max_element() < 1.1 / 1023.0);
             assert!((found.density - wanted.density).abs() < 1e-3);
             if multiple == MultipleModel::Transport {
-                let node = column * (fur.levels + 1) + level;
+                let node = column * (fur.lattice.levels + 1) + level;
                 for (found, wanted) in
                     light.scattered(node).iter().zip(&light.sent(column, level, &place)[1..])
                 {

@@ -16,7 +16,7 @@ struct Column {
 
 // Barycentric coordinates of a column in its triangle.
 fn column_lambda(grid: u32) -> vec3f {
-    return barycentric(vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice));
+    return barycentric(vec2f(f32(grid & 0xffffu), f32(grid >> 16u)) / f32(fur.lattice.cells));
 }
 
 // Word and bit of a light in `blocked`.

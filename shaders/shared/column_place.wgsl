@@ -2,7 +2,7 @@
 
 // Height above the skin of a level, in shell heights.
 fn level_height(level: u32) -> f32 {
-    return f32(level) / f32(fur.levels) * fur.light_reach;
+    return f32(level) / f32(fur.lattice.levels) * fur.lattice.reach;
 }
 
 // Sets `place` to a node; returns its position (world, cm).

@@ -1,5 +1,5 @@
 // Groom parameters: a constant, the vertex colour or an image map, read at a point of the skin.
-// Needs: groom (uniform Groom), map_texels (array<vec2u>, four halves per texel).
+// Needs: groom (uniform Groom), maps_and_tables (array<vec2u>, four halves per texel).
 
 #import shared/arithmetic
 #import shared/groom_types
@@ -41,7 +41,7 @@ fn texel(parameter: u32, x: i32, y: i32) -> vec4f {
     let size = vec2i(groom.parameters[parameter].size);
     let column = ((x % size.x) + size.x) % size.x;
     let row = ((y % size.y) + size.y) % size.y;
-    return unpack_half4(map_texels[groom.parameters[parameter].texel_base + u32(row * size.x + column)]);
+    return unpack_half4(maps_and_tables[groom.parameters[parameter].texel_base + u32(row * size.x + column)]);
 }
 
 // Repeating bilinear lookup; v = 0 is the bottom row.

@@ -8,12 +8,12 @@
 
 // Column at grid point k of the edge from vertex a to b, counted from a.
 fn edge_column(edge: u32, a: u32, b: u32, k: u32) -> u32 {
-    return fur.vertices + edge * (fur.lattice - 1u) + select(fur.lattice - k, k, a < b) - 1u;
+    return fur.lattice.vertices + edge * (fur.lattice.cells - 1u) + select(fur.lattice.cells - k, k, a < b) - 1u;
 }
 
 // Column at barycentric coordinates (n - i - j, i, j) / n of a triangle.
 fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u32 {
-    let n = fur.lattice;
+    let n = fur.lattice.cells;
     if i + j == 0u { return vertices.x; }
     if i == n { return vertices.y; }
     if j == n { return vertices.z; }
@@ -21,7 +21,7 @@ fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u3
     if i == 0u { return edge_column(edges.y, vertices.x, vertices.z, j); }
     if i + j == n { return edge_column(edges.x, vertices.y, vertices.z, j); }
     let inner = (n - 1u) * (n - 2u) / 2u;
-    return fur.vertices + fur.edges * (n - 1u) + prism * inner + (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + i - 1u;
+    return fur.lattice.vertices + fur.lattice.edges * (n - 1u) + prism * inner + (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + i - 1u;
 }
 
 // The lattice cell that holds a place.
@@ -33,12 +33,12 @@ fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     let inside = max((*place).lambda, vec3f(0.0));
     let lambda = inside / (inside.x + inside.y + inside.z);
     let vertices = (*place).vertices;
-    if fur.lattice == 1u {
+    if fur.lattice.cells == 1u {
         cell.columns = vertices;
         cell.weights = lambda;
         return cell;
     }
-    let n = fur.lattice;
+    let n = fur.lattice.cells;
     let f = lambda.yz * f32(n);
     let i = min(u32(f.x), n - 1u);
     let j = min(u32(f.y), n - 1u - i);

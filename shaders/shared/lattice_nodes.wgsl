@@ -16,24 +16,24 @@ struct Level {
 }
 
 fn node_index(column: u32, level: u32) -> u32 {
-    return column * (fur.levels + 1u) + level;
+    return column * (fur.lattice.levels + 1u) + level;
 }
 
 fn node_count() -> u32 {
-    return fur.columns * (fur.levels + 1u);
+    return fur.lattice.columns * (fur.lattice.levels + 1u);
 }
 
 fn column_of_node(node: u32) -> u32 {
-    return node / (fur.levels + 1u);
+    return node / (fur.lattice.levels + 1u);
 }
 
 fn level_of_node(node: u32) -> u32 {
-    return node % (fur.levels + 1u);
+    return node % (fur.lattice.levels + 1u);
 }
 
 // The levels around height t, in shell heights.
 fn level_at(t: f32) -> Level {
-    let height = clamp(t / fur.light_reach, 0.0, 1.0) * f32(fur.levels);
-    let lower = min(u32(height), fur.levels - 1u);
+    let height = clamp(t / fur.lattice.reach, 0.0, 1.0) * f32(fur.lattice.levels);
+    let lower = min(u32(height), fur.lattice.levels - 1u);
     return Level(lower, height - f32(lower));
 }

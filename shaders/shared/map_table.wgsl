@@ -1,8 +1,8 @@
 // Scattering tables of hairs, behind the texels of the maps: the kernels that shade have no binding
-// left. Needs: map_texels (array<vec2u>).
+// left. Needs: maps_and_tables (array<vec2u>).
 
 #import shared/halves
 
 fn far_texel(i: u32) -> vec4f {
-    return unpack_half4(map_texels[i]);
+    return unpack_half4(maps_and_tables[i]);
 }

@@ -30,7 +30,7 @@ fn begin_ray(m: ptr<function, March>, ray: vec3f) {
     (*m).ray = ray;
     (*m).speed = length(ray);
     (*m).view = -ray / (*m).speed;
-    (*m).dz = fur.step / (*m).speed;
+    (*m).dz = fur.undercoat.step / (*m).speed;
     (*m).lost = 0u;
 }
 
@@ -43,7 +43,7 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
     (*m).last = false;
     (*m).z = z;
     (*m).z_end = z;
-    (*m).dz = fur.step / (*m).speed * phase;
+    (*m).dz = fur.undercoat.step / (*m).speed * phase;
 }
 
 // Whether key lights are marched at every step, as in [Andersen2016] sec. 3.2, instead of looked up
@@ -55,7 +55,7 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
     for (var i = 0u; i < 400u; i++) {
-        let state = locate(&place, x + (f32(i) + 0.5) * fur.step * l, l, 2u);
+        let state = locate(&place, x + (f32(i) + 0.5) * fur.undercoat.step * l, l, 2u);
         if state != INSIDE || place.t > 1.0 || sum > TAU_BLOCKED {
             break;
         }
@@ -63,7 +63,7 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
             sum = TAU_BLOCKED;
             break;
         }
-        sum += extinction(medium_at(&place), l) * fur.step;
+        sum += extinction(medium_at(&place), l) * fur.undercoat.step;
     }
     return sum;
 }
@@ -76,21 +76,21 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
     var albedo = vec3f(0.0);
     for (var k = 0u; k < 3u; k++) {
         let node = node_index(cell.columns[k], cell.level);
-        let low = source[node];
-        let high = source[node + 1u];
+        let low = node_light[node];
+        let high = node_light[node + 1u];
         let w = cell.weights[k] * vec2f(1.0 - cell.fraction, cell.fraction);
         ambient += w.x * unpack_half4(low.xy) + w.y * unpack_half4(high.xy);
         tau += w.x * unpack2x16float(low.z) + w.y * unpack2x16float(high.z);
         albedo += w.x * unpack_albedo(low.w) + w.y * unpack_albedo(high.w);
     }
     var sum = exp2(ambient.rgb);
-    for (var j = 0u; j < fur.keys; j++) {
-        let l = fur.key_direction[j].xyz;
+    for (var j = 0u; j < fur.lights.keys; j++) {
+        let l = fur.lights.key_direction[j].xyz;
         if NESTED {
             tau[j] = nested_tau(place, x, l) * ambient.a;
         }
         let through = light_through(tau[j], albedo);
-        sum += fur.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
+        sum += fur.lights.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
     }
     return vec4f(sum * undercoat_factor(albedo), ambient.a);
 }
@@ -100,7 +100,7 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
 // whether its middle is inside or not.
 fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
-    (*m).dz = fur.step / (*m).speed;
+    (*m).dz = fur.undercoat.step / (*m).speed;
     let z_mid = (*m).z + 0.5 * dz;
     let before = (*place).prism;
     let t_before = (*place).t;

@@ -12,7 +12,7 @@ fn skin_uv(prism: u32, lambda: vec3f) -> vec2f {
 // position (cm), or its uv.
 fn noise_point(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
     var p = skin_at(place, lambda);
-    if fur.noise_domain == 1u {
+    if fur.undercoat.noise_domain == 1u {
         p = vec3f(skin_uv((*place).prism, lambda), 0.0);
     }
     return p;

@@ -87,7 +87,7 @@ fn solve(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) {
         let a = x - (*place).p0 - t * (*place).v0;
         let layer = layer_at(place, t);
         let slope = volume_slope(place, layer, a);
-        t = clamp(t - dot(a, layer.n) / away_from_zero(slope, -1e-12), -0.5, 1.5 * fur.light_reach);
+        t = clamp(t - dot(a, layer.n) / away_from_zero(slope, -1e-12), -0.5, 1.5 * fur.lattice.reach);
     }
     let a = x - (*place).p0 - t * (*place).v0;
     let layer = layer_at(place, t);

@@ -4,6 +4,6 @@
 #import shared/halves
 
 fn far_texel(i: u32) -> vec4f {
-    let two = source[i / 2u];
+    let two = node_light[i / 2u];
     return unpack_half4(select(two.xy, two.zw, (i & 1u) == 1u));
 }

@@ -1,5 +1,5 @@
 // Optical depths at the nodes of the lattice, pairs of halves; the slot behind the last light
-// belongs to the eye. A node has `fur.tau_stride` words: with multiple scattering by transport, the
+// belongs to the eye. A node has `fur.lattice.tau_stride` words: with multiple scattering by transport, the
 // mean scattered radiance from above and from below follows, six halves.
 // Needs: fur (uniform FurParameters), tau (array<u32>).
 
@@ -7,17 +7,17 @@
 
 // Words of a node's optical depths.
 fn tau_pairs() -> u32 {
-    return (fur.lights + 2u) / 2u;
+    return (fur.lights.count + 2u) / 2u;
 }
 
 // First of the three words of a node's scattered radiance.
 fn scattered_word(node: u32) -> u32 {
-    return node * fur.tau_stride + tau_pairs();
+    return node * fur.lattice.tau_stride + tau_pairs();
 }
 
-// Optical depth from a node towards a light, or towards the eye (number fur.lights).
+// Optical depth from a node towards a light, or towards the eye (number fur.lights.count).
 fn node_tau(node: u32, light: u32) -> f32 {
-    return unpack2x16float(tau[node * fur.tau_stride + light / 2u])[light & 1u];
+    return unpack2x16float(tau[node * fur.lattice.tau_stride + light / 2u])[light & 1u];
 }
 
 // Between a node and the one above it.

@@ -26,17 +26,17 @@ fn unpack_medium(word: u32) -> Medium {
 
 // Mean direction of the hairs at height t (in shell heights); they lean more towards the top.
 fn mean_tangent(normal: vec3f, t: f32) -> vec3f {
-    return normalize(normal + fur.lean * t);
+    return normalize(normal + fur.undercoat.lean * t);
 }
 
 // Projected area of a hair towards unit direction `w`, relative to that perpendicular to the hair;
 // the mean over all directions if extinction is isotropic.
 fn relative_projection(tangent: vec3f, w: vec3f) -> f32 {
-    return select(sine_between(tangent, w), FRAC_PI_4, fur.isotropic == 1u);
+    return select(sine_between(tangent, w), FRAC_PI_4, fur.undercoat.isotropic == 1u);
 }
 
 // Extinction in 1/cm towards unit direction `w`: n_perp d sin(T, w) for n_perp fibres per area, of
 // diameter d.
 fn extinction(m: Medium, w: vec3f) -> f32 {
-    return fur.extinction * m.density * relative_projection(m.tangent, w);
+    return fur.undercoat.extinction * m.density * relative_projection(m.tangent, w);
 }

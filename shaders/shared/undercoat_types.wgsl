@@ -1,9 +1,8 @@
-// Parameters of the undercoat and of the optical-depth lattice.
+// Parameters of the undercoat, of the optical-depth lattice and of the lights that shaders read as
+// one uniform.
 
-struct FurParameters {
-    // Volume
+struct UndercoatParameters {
     layers: u32,
-    storage: u32,              // 1 stored, 0 evaluated
     noise_domain: u32,         // 0 object, 1 uv
     seed: u32,
     extinction: f32,           // density x root diameter of the whole undercoat, 1/cm
@@ -18,24 +17,37 @@ struct FurParameters {
     step: f32,                 // of the march, cm
     light_step: f32,           // of the light march, cm
     height: f32,               // largest shell height, cm
+    isotropic: u32,            // 1: extinction ignores the angle to the hairs, as in [Andersen2016]
     lean: vec3f,               // comb direction times tangent of the lean
     forward_scattering: f32,
-    isotropic: u32,            // 1: extinction ignores the angle to the hairs, as in [Andersen2016]
-    // Optical-depth lattice
-    lattice: u32,              // cells along a triangle's edge N
-    levels: u32,               // cells from skin to top; levels + 1 nodes
-    light_reach: f32,          // top of the lattice in shell heights
-    lights: u32,
-    columns: u32,              // lattice columns
-    vertices: u32,             // of the skin
-    edges: u32,                // of the skin
-    keys: u32,                 // number of key lights, looked up one by one in the march
     opacity_cut: f32,          // transmittance below which a ray ends
     virtual_fragments: u32,
     density: f32,              // mean density, 1/cm2
     attenuation: f32,          // a of [Andersen2016] eq. 4, 1/cm
+}
+
+// The optical-depth lattice.
+struct LatticeParameters {
+    cells: u32,                // along a triangle's edge
+    levels: u32,               // cells from skin to top; levels + 1 nodes
+    reach: f32,                // top of the lattice in shell heights
+    columns: u32,
+    vertices: u32,             // of the skin
+    edges: u32,                // of the skin
     tau_stride: u32,           // words per node of the buffer `tau`
+    padding: u32,
+}
+
+struct LightParameters {
+    count: u32,                // of all lights
+    keys: u32,                 // number of key lights, looked up one by one in the march
     key_lights: vec2u,         // their numbers among the lights
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,
+}
+
+struct FurParameters {
+    undercoat: UndercoatParameters,
+    lattice: LatticeParameters,
+    lights: LightParameters,
 }

@@ -37,9 +37,9 @@ impl Lit {
         let frame = gpu::frame(&world);
         let fixture = Fixture::new(gpu, world);
         let fur = fixture.fur;
-        let nodes = (fur.columns * (fur.levels + 1)) as usize;
-        let columns: Vec<Column> = fixture.read("columns", fur.columns as usize);
-        let tau = fixture.read("tau", nodes * fur.tau_stride as usize);
+        let nodes = (fur.lattice.columns * (fur.lattice.levels + 1)) as usize;
+        let columns: Vec<Column> = fixture.read("columns", fur.lattice.columns as usize);
+        let tau = fixture.read("tau", nodes * fur.lattice.tau_stride as usize);
         let extinction: Vec<u32> = fixture.read("lattice_extinction", nodes);
         let guard = extinction.into_iter().map(|word| halves(word)[1]).collect();
         let densities = columns.iter().map(|c| c.density).collect();
@@ -51,7 +51,7 @@ impl Lit {
 
     /// Nodes of the lattice.
     pub fn nodes(&self) -> usize {
-        (self.fixture.fur.columns * (self.fixture.fur.levels + 1)) as usize
+        (self.fixture.fur.lattice.columns * (self.fixture.fur.lattice.levels + 1)) as usize
     }
 
     /// The lattice as the twins read it.

@@ -1,7 +1,8 @@
 //! The groom as the passes read it: scene values in the units and structs of the shaders.
 
 use crate::fibre::Fibre;
-use crate::layout::{FurParameters, Groom, Light, MAX_LIGHTS, Noise, Parameter};
+use crate::layout::{Groom, Light, LightParameters, MAX_LIGHTS, Noise, Parameter, UndercoatParameters};
+use bytemuck::Zeroable;
 use glam::Vec3;
 use noise::permutationtable::{NoiseHasher, PermutationTable};
 use pelage_core::maps::MapSet;
@@ -25,8 +26,8 @@ pub struct PackedGroom {
     pub texels: Vec<[u32; 2]>,
     /// First texels of the tables of guard hairs and undercoat.
     pub table_bases: [u32; 2],
-    /// Undercoat; the lattice and storage fields are set by the renderer.
-    pub fur: FurParameters,
+    /// Undercoat.
+    pub undercoat: UndercoatParameters,
     /// Scattering of guard hairs.
     pub guard_fibre: Fibre,
     /// Scattering of the undercoat.
@@ -35,6 +36,8 @@ pub struct PackedGroom {
     pub noise: Noise,
     /// All lights, padded to the uniform's length.
     pub lights: Vec<Light>,
+    /// How many there are, and the key lights.
+    pub light_parameters: LightParameters,
 }
 
 /// Whether shells are rendered that need the light in the groom's own fur.
@@ -75,6 +78,12 @@ pub fn multiple_model(scene: &Scene) -> MultipleModel {
 /// Words of packed optical depths at a node of the light lattice: two lights a word, the slot behind the last light is the eye's.
 pub fn tau_pairs(lights: u32) -> u32 {
     (lights + 2) / 2
+}
+
+/// Words of a node of the lattice's optical depths: those of all lights, and where it is looked up the light scattered before.
+pub fn tau_stride(scene: &Scene, lights: u32) -> u32 {
+    let scattered = multiple_model(scene) == MultipleModel::Transport;
+    tau_pairs(lights) + if scattered { SCATTERED_WORDS } else { 0 }
 }
 
 /// Packs the groom of `world`.
@@ -137,9 +146,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     let extinction = if no_undercoat { 0.0 } else { coat.density.max() * coat.diameter[0] * 1e-4 };
     let height = shell_height.max();
     let free_path = if extinction > 0.0 { 1.0 / extinction } else { height };
-    let fur = FurParameters {
+    let undercoat = UndercoatParameters {
         layers: coat.layers,
-        storage: 0,
         noise_domain: u32::from(coat.noise_domain == NoiseDomain::Uv),
         seed: scene.render.seed,
         extinction,
@@ -157,14 +165,6 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         lean: (comb * coat.lean).into(),
         forward_scattering: if multiple == MultipleModel::Similarity { coat.forward_scattering } else { 0.0 },
         isotropic: u32::from(paper),
-        lattice: 1,
-        levels: 1,
-        light_reach: 1.0,
-        lights: world.lights.len().min(MAX_LIGHTS) as u32,
-        columns: 0,
-        vertices: world.skin.positions.len() as u32,
-        edges: 0,
-        keys: 0,
         opacity_cut: 0.001,
         virtual_fragments: match scene.render.blend {
             Blend::Virtual => scene.render.virtual_fragments.max(1),
@@ -172,10 +172,6 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: coat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
-        tau_stride: 0,
-        key_lights: [u32::MAX; 2],
-        key_direction: [[0.0; 4]; 2],
-        key_irradiance: [[0.0; 4]; 2],
     };
     let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
     let mut texels = maps.finish();
@@ -184,23 +180,22 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         texels.extend(fibre.texels());
         base
     });
-    let (mut fur, lights) = pack_lights(world, fur);
-    fur.tau_stride =
-        tau_pairs(fur.lights) + if multiple == MultipleModel::Transport { SCATTERED_WORDS } else { 0 };
+    let (light_parameters, lights) = pack_lights(world);
     Ok(PackedGroom {
         groom,
         texels,
         table_bases,
-        fur,
+        undercoat,
         guard_fibre,
         undercoat_fibre,
         noise: noise_tables(scene.render.seed),
         lights,
+        light_parameters,
     })
 }
 
 /// Lights, and the two brightest of the undercoat's as key lights.
-fn pack_lights(world: &World, mut fur: FurParameters) -> (FurParameters, Vec<Light>) {
+fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
     let mut lights: Vec<Light> = world
         .lights
         .iter()
@@ -217,16 +212,21 @@ fn pack_lights(world: &World, mut fur: FurParameters) -> (FurParameters, Vec<Lig
         let power = |i: usize| world.lights[i].irradiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
         power(*b).total_cmp(&power(*a))
     });
-    fur.keys = order.len().min(2) as u32;
+    let mut parameters = LightParameters {
+        count: lights.len() as u32,
+        keys: order.len().min(2) as u32,
+        key_lights: [u32::MAX; 2],
+        ..LightParameters::zeroed()
+    };
     for (k, i) in order.into_iter().take(2).enumerate() {
         let [x, y, z] = lights[i].direction;
         let [r, g, b] = lights[i].irradiance;
-        fur.key_lights[k] = i as u32;
-        fur.key_direction[k] = [x, y, z, 0.0];
-        fur.key_irradiance[k] = [r, g, b, 0.0];
+        parameters.key_lights[k] = i as u32;
+        parameters.key_direction[k] = [x, y, z, 0.0];
+        parameters.key_irradiance[k] = [r, g, b, 0.0];
     }
-    lights.resize(MAX_LIGHTS, bytemuck::Zeroable::zeroed());
-    (fur, lights)
+    lights.resize(MAX_LIGHTS, Light::zeroed());
+    (parameters, lights)
 }
 
 /// The tables of the `noise` crate's simplex noise for a seed.

@@ -70,10 +70,9 @@ shared! {
         edges: [u32; 3],
         padding: u32,
     }
-    /// `shared/undercoat_types.wgsl`
-    struct FurParameters {
+    /// `shared/undercoat_types.wgsl`: follows from the scene.
+    struct UndercoatParameters {
         layers: u32,
-        storage: u32,
         noise_domain: u32,
         seed: u32,
         extinction: f32,
@@ -88,25 +87,38 @@ shared! {
         step: f32,
         light_step: f32,
         height: f32,
+        isotropic: u32,
         lean: [f32; 3],
         forward_scattering: f32,
-        isotropic: u32,
-        lattice: u32,
-        levels: u32,
-        light_reach: f32,
-        lights: u32,
-        columns: u32,
-        vertices: u32,
-        edges: u32,
-        keys: u32,
         opacity_cut: f32,
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
+    }
+    /// `shared/undercoat_types.wgsl`: follows from the skin and the memory.
+    struct LatticeParameters {
+        cells: u32,
+        levels: u32,
+        reach: f32,
+        columns: u32,
+        vertices: u32,
+        edges: u32,
         tau_stride: u32,
+        padding: u32,
+    }
+    /// `shared/undercoat_types.wgsl`: follows from the lights.
+    struct LightParameters {
+        count: u32,
+        keys: u32,
         key_lights: [u32; 2],
         key_direction: [[f32; 4]; 2],
         key_irradiance: [[f32; 4]; 2],
+    }
+    /// `shared/undercoat_types.wgsl`
+    struct FurParameters {
+        undercoat: UndercoatParameters,
+        lattice: LatticeParameters,
+        lights: LightParameters,
     }
     /// `shared/noise.wgsl`
     struct Noise {

@@ -80,7 +80,7 @@ pub fn part_of_area(skin: &Skin, normals: &[Vec3], triangle: &[u32; 3], heights:
 /// The shell of `world`, its groom packed as `packed`. The light lattice is not part of it: `light_reach` is 1.
 pub fn shell_of(world: &World, packed: &PackedGroom) -> Shell {
     let skin = &world.skin;
-    let mut vertices: Vec<ShellVertex> = skin_vertices(skin, packed.fur.height);
+    let mut vertices: Vec<ShellVertex> = skin_vertices(skin, packed.undercoat.height);
     let normals: Vec<Vec3> = vertices.iter().map(|v| v.normal.into()).collect();
     let maps = Maps { groom: &packed.groom, texels: &packed.texels };
     for (vertex, height) in vertices.iter_mut().zip(heights(skin, &normals, &maps, &vertex_uv(skin))) {

@@ -2,7 +2,7 @@
 
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
-use crate::layout::FurParameters;
+use crate::layout::UndercoatParameters;
 use crate::octahedral;
 use crate::random::{hash2, random, random_direction};
 use crate::shell::{Place, Shell, subelement, subelement_centroid};
@@ -44,7 +44,7 @@ pub fn sine(a: Vec3, b: Vec3) -> f32 {
 }
 
 /// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
-pub fn extinction(fur: &FurParameters, m: Medium, w: Vec3) -> f32 {
+pub fn extinction(fur: &UndercoatParameters, m: Medium, w: Vec3) -> f32 {
     let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
     fur.extinction * m.density * shown
 }
@@ -127,7 +127,7 @@ pub fn taper(ratio: f32, t: f32) -> f32 {
 #[derive(Clone, Copy)]
 pub struct Undercoat<'a> {
     /// Parameters.
-    pub fur: &'a FurParameters,
+    pub parameters: &'a UndercoatParameters,
     /// The noise.
     pub noise: Field,
     /// The shell.
@@ -138,7 +138,7 @@ pub struct Undercoat<'a> {
 
 impl Undercoat<'_> {
     fn field(&self, p: Vec3, frequency: f32) -> f32 {
-        if self.fur.noise_domain == 1 {
+        if self.parameters.noise_domain == 1 {
             self.noise.simplex2(Vec2::new(p.x, p.y) * frequency)
         } else {
             self.noise.simplex3(p * frequency)
@@ -147,13 +147,13 @@ impl Undercoat<'_> {
 
     /// Locks of combed fur are longer than wide: the noise is stretched along the lean.
     fn combed(&self, p: Vec3) -> Vec3 {
-        let lean = Vec3::from(self.fur.lean);
+        let lean = Vec3::from(self.parameters.lean);
         p - lean * (lean.dot(p) * LEAN_STRETCH / lean.dot(lean).max(1e-12))
     }
 
     /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
     pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
-        let fur = self.fur;
+        let fur = self.parameters;
         let lean = Vec3::from(fur.lean) * (fur.height * t);
         let combed = self.combed(jittered - lean);
         let locks = self.field(combed * LOCKS_SCALE + LOCKS_SHIFT, fur.noise_frequency);
@@ -167,7 +167,7 @@ impl Undercoat<'_> {
 
     /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
     pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
-        let fur = self.fur;
+        let fur = self.parameters;
         let h = hash2(id, fur.seed);
         let growth = t.powf(fur.jitter_exponent);
         let offset = 2.0 * Vec3::new(random(h, 0), random(h, 1), random(h, 2)) - 1.0;
@@ -181,7 +181,7 @@ impl Undercoat<'_> {
 
     /// Point of the noise's domain below barycentric coordinates of the place's prism: on the skin, cm, or uv.
     pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
-        if self.fur.noise_domain == 1 {
+        if self.parameters.noise_domain == 1 {
             let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
             (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
         } else {
@@ -192,7 +192,7 @@ impl Undercoat<'_> {
     /// Medium of the subelement `id` of `layer` in the place's prism, evaluated.
     pub fn subelement(&self, place: &Place, layer: u32, id: u32) -> Medium {
         let l = subelement_centroid(id, place.subdivision);
-        let t = (layer as f32 + 0.5) / self.fur.layers as f32;
+        let t = (layer as f32 + 0.5) / self.parameters.layers as f32;
         let normal = place.extrusion(l).normalize();
         let id = hash2(place.prism, (layer << 16) | id);
         let medium = self.evaluate(self.domain_point(place, l), normal, t, id);
@@ -201,7 +201,7 @@ impl Undercoat<'_> {
 
     /// Medium at a place: of its subelement.
     pub fn at(&self, place: &Place) -> Medium {
-        let layers = self.fur.layers;
+        let layers = self.parameters.layers;
         let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
         let id = subelement(place.lambda, place.subdivision);
         if self.cells.is_empty() {

@@ -10,7 +10,7 @@ use glam::{Vec3, Vec4};
 use pelage_core::World;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::FurParameters;
+use pelage_fur::layout::UndercoatParameters;
 use pelage_fur::parameters::{Maps, Parameter, skin_point};
 use pelage_fur::random::{hash2, random, random_direction};
 use pelage_fur::shell::{Located, Place, Shell};
@@ -30,7 +30,7 @@ pub(super) struct Grower<'a> {
     shell: &'a Shell,
     maps: Maps<'a>,
     /// The volume's parameters without the taper, which changes the hairs' diameter, not their number.
-    fur: FurParameters,
+    fur: UndercoatParameters,
     noise: Field,
     /// Largest density of the volume relative to its mean.
     densest: f32,
@@ -93,11 +93,11 @@ impl<'a> Grower<'a> {
         segments: u32,
         patch: Option<Patch>,
     ) -> Self {
-        let fur = packed.fur;
+        let fur = packed.undercoat;
         Self {
             shell,
             maps: Maps { groom: &packed.groom, texels: &packed.texels },
-            fur: FurParameters { diameter_ratio: 1.0, ..fur },
+            fur: UndercoatParameters { diameter_ratio: 1.0, ..fur },
             noise: Field::new(fur.seed),
             // Largest sum of 0.5 clumps and 0.6 locks: the noise reaches 0.99 in the plane and 0.81 in space.
             densest: 1.0 + fur.noise_contrast * if fur.noise_domain == 1 { 1.1 } else { 0.9 },
@@ -114,7 +114,7 @@ impl<'a> Grower<'a> {
     }
 
     fn volume(&self) -> Undercoat<'_> {
-        Undercoat { fur: &self.fur, noise: self.noise, shell: self.shell, cells: &[] }
+        Undercoat { parameters: &self.fur, noise: self.noise, shell: self.shell, cells: &[] }
     }
 
     /// Number of candidates on a triangle, Poisson distributed: as many exponential gaps as fit into the mean.

@@ -205,7 +205,7 @@ fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
         triangles: u64::from(prepared.triangles),
         strands: prepared.strands,
         subelements: prepared.subelements,
-        storage: if prepared.fur.storage == 1 { "stored".into() } else { "evaluated".into() },
+        storage: if prepared.variant.stored { "stored".into() } else { "evaluated".into() },
         ..known_stats(gpu, scene)
     }
 }

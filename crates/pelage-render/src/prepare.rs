@@ -12,7 +12,7 @@ use pelage_core::scene::{LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};
 use pelage_fur::groom::{self, PackedGroom};
-use pelage_fur::layout::{Frame, FurParameters};
+use pelage_fur::layout::{Frame, FurParameters, LatticeParameters};
 use pelage_fur::surface::{corner_uv, number_edges, skin_vertices, subdivide, vertex_uv};
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Buffers, Gpu, Recorder, Scope};
@@ -45,7 +45,7 @@ pub struct Prepared<'g> {
     pub batches: Vec<RootBatch>,
     /// Bytes that strands may take.
     pub strand_budget: u64,
-    /// What the passes are compiled for.
+    /// What the passes are compiled for; `stored` says whether the undercoat's densities are.
     pub variant: Variant,
     buffers: Buffers,
     /// `undercoat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the nodes.
@@ -104,7 +104,7 @@ fn upload(gpu: &Gpu, skin: &Skin, packed: &PackedGroom, frame: &Frame) -> Result
         gpu.uniform("noise", &packed.noise)?,
         light::upload_lights(gpu, &packed.lights)?,
         gpu.uniform("guard_fibre", &packed.guard_fibre.packed(packed.table_bases[0]))?,
-        gpu.upload("map_texels", 1, &packed.texels)?,
+        gpu.upload("maps_and_tables", 1, &packed.texels)?,
         gpu.upload("corner_uv", 1, &corner_uv(skin))?,
         gpu.storage("shell_vertices", 1, vertices * 32)?,
         gpu.storage("prisms", 1, triangles * 48)?,
@@ -132,18 +132,24 @@ impl<'g> Prepared<'g> {
         let fibre_table = packed.undercoat_fibre.texels();
         let room = gpu.binding_limit().saturating_sub(8 * fibre_table.len() as u64);
         let (edge_numbers, edges) = number_edges(skin);
-        let lattice = Lattice::plan(skin, world, &packed.fur, room);
+        let tau_stride = groom::tau_stride(&world.scene, packed.light_parameters.count);
+        let lattice = Lattice::plan(skin, world, &packed.undercoat, tau_stride, room);
         let columns = lattice.columns(skin, &edge_numbers, edges);
         let fur = FurParameters {
-            storage: u32::from(volume.stored),
-            lattice: lattice.edge,
-            levels: lattice.levels,
-            light_reach: lattice.reach,
-            edges,
-            columns: columns.len() as u32,
-            ..packed.fur
+            undercoat: packed.undercoat,
+            lattice: LatticeParameters {
+                cells: lattice.cells,
+                levels: lattice.levels,
+                reach: lattice.reach,
+                columns: columns.len() as u32,
+                vertices: skin.positions.len() as u32,
+                edges,
+                tau_stride,
+                padding: 0,
+            },
+            lights: packed.light_parameters,
         };
-        let nodes = fur.columns * (fur.levels + 1);
+        let nodes = fur.lattice.columns * (fur.lattice.levels + 1);
         buffers.extend([
             gpu.uniform("fur", &fur)?,
             gpu.uniform("undercoat_fibre", &packed.undercoat_fibre.packed(2 * nodes))?,
@@ -186,7 +192,7 @@ impl<'g> Prepared<'g> {
         let neighbours = gpu.storage("neighbours", 1, bytes)?;
         let inputs = [
             gpu.upload("triangles", 1, bytemuck::cast_slice::<[u32; 3], u32>(&skin.triangles))?,
-            gpu.upload("skin_vertices", 1, &skin_vertices(skin, self.fur.height))?,
+            gpu.upload("skin_vertices", 1, &skin_vertices(skin, self.fur.undercoat.height))?,
             gpu.upload("vertex_uv", 1, &vertex_uv(skin))?,
             gpu.upload("subdivisions", 1, &volume.subdivisions)?,
             gpu.upload("edge_numbers", 1, bytemuck::cast_slice::<[u32; 3], u32>(edge_numbers))?,
@@ -214,10 +220,10 @@ impl<'g> Prepared<'g> {
     fn volume(&mut self, world: &World, volume: &Volume, timings: &mut Timings) -> Result<()> {
         let gpu = self.gpu;
         self.buffers.push(if volume.stored {
-            gpu.storage("cells", 2, volume.subelements * 4)?
+            gpu.storage("media_or_uv", 2, volume.subelements * 4)?
         } else {
             // The volume's buffer carries the uv instead.
-            gpu.upload("cells", 2, &corner_uv(&world.skin))?
+            gpu.upload("media_or_uv", 2, &corner_uv(&world.skin))?
         });
         let mut recorder = Recorder::new(gpu);
         let scope = self.scope();
@@ -225,16 +231,16 @@ impl<'g> Prepared<'g> {
         let _counts = stored
             .then(|| {
                 let pass = &self.passes.undercoat_density;
-                pass.record(gpu, &mut recorder, &scope, self.triangles, self.fur.layers)
+                pass.record(gpu, &mut recorder, &scope, self.triangles, self.fur.undercoat.layers)
             })
             .transpose()?;
-        self.passes.shell_lattice.record(&mut recorder, &scope, self.fur.columns)?;
+        self.passes.shell_lattice.record(&mut recorder, &scope, self.fur.lattice.columns)?;
         recorder.submit(timings)
     }
 
     /// Nodes of the lattice.
     fn nodes(&self) -> u64 {
-        u64::from(self.fur.columns) * u64::from(self.fur.levels + 1)
+        u64::from(self.fur.lattice.columns) * u64::from(self.fur.lattice.levels + 1)
     }
 
     /// A buffer that later passes read, by its name.

@@ -65,11 +65,12 @@ impl<'g> PreparedWorld<'g> {
             vertices: read.read("shell_vertices", read.world.skin.positions.len())?,
             prisms: read.read("prisms", read.world.skin.triangles.len())?,
             corner_uv: corner_uv(&read.world.skin),
-            light_reach: read.fur.light_reach,
+            light_reach: read.fur.lattice.reach,
         };
-        read.source = read.read("source", (read.fur.columns * (read.fur.levels + 1)) as usize)?;
-        if read.fur.storage == 1 {
-            read.cells = read.read("cells", read.prepared.subelements as usize)?;
+        read.source =
+            read.read("node_light", (read.fur.lattice.columns * (read.fur.lattice.levels + 1)) as usize)?;
+        if read.prepared.variant.stored {
+            read.cells = read.read("media_or_uv", read.prepared.subelements as usize)?;
         }
         Ok(read)
     }
@@ -101,7 +102,7 @@ impl<'g> PreparedWorld<'g> {
 
     /// The undercoat as it is evaluated, whether it is stored or not.
     pub fn evaluated_undercoat(&self) -> Undercoat<'_> {
-        Undercoat { fur: &self.fur, noise: self.noise(), shell: &self.shell, cells: &[] }
+        Undercoat { parameters: &self.fur.undercoat, noise: self.noise(), shell: &self.shell, cells: &[] }
     }
 }
 
@@ -289,6 +290,7 @@ impl<'g> Probe<'g> {
     /// What the march of the tile reads.
     pub fn inputs(&self) -> MarchInputs<'_> {
         MarchInputs {
+            fur: &self.fur,
             undercoat: self.undercoat(),
             source: &self.source,
             frame: &self.frame,

@@ -55,7 +55,7 @@ struct Piece {
 /// The mean of a world's coat over its skin. The coat's mean albedo is that of the undercoat, also where guard hairs alone grow.
 pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     let samples = SkinSamples::new(world, packed);
-    let (fur, scene) = (&packed.fur, &world.scene);
+    let (fur, scene) = (&packed.undercoat, &world.scene);
     let skin = samples.mean_color(Parameter::BaseColor).to_array().map(|x| f64::from(x.clamp(0.0, 1.0)));
     let ends =
         [Parameter::UndercoatColorRoot, Parameter::UndercoatColorTip].map(|which| samples.mean_color(which));
@@ -140,7 +140,7 @@ fn slice_middle(k: usize, top: f32) -> f32 {
 
 /// Directions of the undercoat's hairs at levels, from the top down.
 fn undercoat_levels(packed: &PackedGroom) -> Vec<HeightLevel> {
-    let fur = &packed.fur;
+    let fur = &packed.undercoat;
     let lean = Vec3::from(fur.lean).length();
     (0..LEVELS)
         .map(|k| 1.0 - k as f32 / (LEVELS - 1) as f32)
@@ -165,9 +165,9 @@ fn undercoat_parts(
     top: f32,
     power: &dyn Fn(f32) -> [f32; 3],
 ) -> Vec<Part> {
-    let (fur, maps) = (&samples.packed.fur, &samples.maps);
+    let (fur, maps) = (&samples.packed.undercoat, &samples.maps);
     let shell = Shell::default();
-    let undercoat = Undercoat { fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
+    let undercoat = Undercoat { parameters: fur, noise: Field::new(fur.seed), shell: &shell, cells: &[] };
     let slice = top / SLICES as f32;
     let part = |k: usize| {
         let t = slice_middle(k, top) / height.max(1e-6);
@@ -212,7 +212,7 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     let roots = chosen.len() as u32 * GUARD_HAIRS;
     let mut pieces = Vec::new();
     for k in 0..roots {
-        let seed = hash2(packed.fur.seed, k);
+        let seed = hash2(packed.undercoat.seed, k);
         let root_u = random(seed, 100).sqrt();
         let lambda = [root_u * (1.0 - random(seed, 101)), root_u * random(seed, 101)];
         let root = Root { prism: k / GUARD_HAIRS, seed, lambda };

@@ -17,7 +17,7 @@ impl GuardStrands {
         Ok(Self { main: Kernel::new(gpu, "guard_strands", "main")? })
     }
 
-    /// Writes `strand_vertices` for `strands` of `roots`. In scope: the skin, `groom`, `map_texels`, `batch`.
+    /// Writes `strand_vertices` for `strands` of `roots`. In scope: the skin, `groom`, `maps_and_tables`, `batch`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.

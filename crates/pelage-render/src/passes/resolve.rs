@@ -7,7 +7,7 @@ use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 /// Step 7: fragments to film samples.
 pub struct Resolve {
     exact: Kernel,
-    stored: Kernel,
+    blend_fragments: Kernel,
 }
 
 impl Resolve {
@@ -19,7 +19,7 @@ impl Resolve {
         let constants = variant.constants();
         Ok(Self {
             exact: Kernel::specialised(gpu, "resolve", "exact", &constants)?,
-            stored: Kernel::specialised(gpu, "resolve", "stored", &constants)?,
+            blend_fragments: Kernel::specialised(gpu, "resolve", "blend_fragments", &constants)?,
         })
     }
 
@@ -34,6 +34,6 @@ impl Resolve {
         samples: u64,
         exact: bool,
     ) -> Result<()> {
-        recorder.dispatch(if exact { &self.exact } else { &self.stored }, scope, samples)
+        recorder.dispatch(if exact { &self.exact } else { &self.blend_fragments }, scope, samples)
     }
 }

@@ -28,7 +28,7 @@ impl ShellPrisms {
     }
 
     /// Extrudes the shell and joins the tables. In scope: `skin_vertices`, `triangles`, `vertex_uv`, `neighbours`, `subdivisions`, `groom`,
-    /// `map_texels`, `shell_vertices`, `prisms`.
+    /// `maps_and_tables`, `shell_vertices`, `prisms`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing, [`pelage_core::Error::OutOfMemory`] without room.

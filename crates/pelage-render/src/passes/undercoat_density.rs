@@ -18,7 +18,7 @@ impl UndercoatDensity {
         Ok(Self { main: Kernel::new(gpu, "undercoat_density", "main")? })
     }
 
-    /// Fills `cells`. In scope: the shell, `fur`, `noise`, `corner_uv`, `cells`.
+    /// Fills `media_or_uv`. In scope: the shell, `fur`, `noise`, `corner_uv`, `media_or_uv`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.

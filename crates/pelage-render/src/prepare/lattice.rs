@@ -2,38 +2,45 @@
 
 use pelage_core::{Skin, World};
 use pelage_fur::groom;
-use pelage_fur::layout::{Column, FurParameters};
+use pelage_fur::layout::{Column, UndercoatParameters};
 
 /// Size of the light lattice.
 pub(super) struct Lattice {
-    pub edge: u32,
+    pub cells: u32,
     pub levels: u32,
     pub reach: f32,
 }
 
 impl Lattice {
     /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
-    pub fn plan(skin: &Skin, world: &World, fur: &FurParameters, room: u64) -> Self {
+    pub fn plan(
+        skin: &Skin,
+        world: &World,
+        undercoat: &UndercoatParameters,
+        tau_stride: u32,
+        room: u64,
+    ) -> Self {
         /// Wanted distance of columns, cm.
         const SPACING: f32 = 0.2;
         /// Wanted distance of levels in mean free paths of the undercoat.
         const LEVEL_PATHS: f32 = 2.0;
         let guard = &world.scene.guard;
         let reach = if groom::has_guard(&world.scene) {
-            (0.8 * guard.length.max() / fur.height.max(1e-4)).clamp(1.0, 4.0)
+            (0.8 * guard.length.max() / undercoat.height.max(1e-4)).clamp(1.0, 4.0)
         } else {
             1.0
         };
         let mean_area = (skin.area() / skin.triangles.len().max(1) as f64) as f32;
         let mean_edge = (mean_area * 2.309).sqrt();
-        let path = if fur.extinction > 0.0 { 1.0 / fur.extinction } else { fur.height / 4.0 };
+        let path =
+            if undercoat.extinction > 0.0 { 1.0 / undercoat.extinction } else { undercoat.height / 4.0 };
         let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
-        let mut levels = ((fur.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(14, 48);
+        let mut levels = ((undercoat.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(14, 48);
         let bytes = |edge: u32, levels: u32| {
             // Half an area of the grid's triangles for each of its points.
             let columns =
                 skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
-            columns * u64::from(levels + 1) * u64::from(fur.tau_stride.max(4)) * 4
+            columns * u64::from(levels + 1) * u64::from(tau_stride.max(4)) * 4
         };
         while bytes(edge, levels) > room && edge > 1 {
             edge -= 1;
@@ -41,12 +48,12 @@ impl Lattice {
         while bytes(edge, levels) > room && levels > 4 {
             levels -= 1;
         }
-        Self { edge, levels, reach }
+        Self { cells: edge, levels, reach }
     }
 
     /// Column at barycentric `(n - i - j, i, j) / n` of triangle `t`; the twin of `column_index` in `shared/lattice.wgsl`.
     fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
-        let n = self.edge;
+        let n = self.cells;
         let v = skin.triangles[t];
         let vertices = skin.positions.len() as u32;
         let on_edge =
@@ -68,7 +75,7 @@ impl Lattice {
 
     /// The columns: where they stand and their share of the skin's area.
     pub fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
-        let n = self.edge;
+        let n = self.cells;
         let inner = (n - 1) * n.saturating_sub(2) / 2;
         let count =
             skin.positions.len() + edges as usize * (n as usize - 1) + skin.triangles.len() * inner as usize;

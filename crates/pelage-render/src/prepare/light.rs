@@ -80,11 +80,11 @@ impl Prepared<'_> {
     ) -> Result<[Buffer; 3]> {
         let gpu = self.gpu;
         let nodes = self.nodes();
-        let columns = self.fur.columns;
+        let columns = self.fur.lattice.columns;
         let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
         let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
-        let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.tau_stride) * 4)?;
-        let source = gpu.storage("source", 2, nodes * 16 + fibre_table.len() as u64 * 8)?;
+        let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.lattice.tau_stride) * 4)?;
+        let source = gpu.storage("node_light", 2, nodes * 16 + fibre_table.len() as u64 * 8)?;
         if !fibre_table.is_empty() {
             gpu.queue.write_buffer(&source.raw, nodes * 16, bytemuck::cast_slice(fibre_table));
         }
@@ -95,13 +95,13 @@ impl Prepared<'_> {
             .with(&[extinction, &tau, &source, &base_light])
             .with(&tree.iter().collect::<Vec<_>>());
         self.passes.light_occlusion.record(&mut recorder, &scope, columns)?;
-        let pairs = groom::tau_pairs(self.fur.lights);
+        let pairs = groom::tau_pairs(self.fur.lights.count);
         let _sweeps = self.passes.undercoat_light.record(
             gpu,
             &mut recorder,
             &scope,
             columns,
-            self.fur.levels,
+            self.fur.lattice.levels,
             pairs,
         )?;
         self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;

@@ -62,9 +62,9 @@ pub fn shade(
             cell.weights.dot(Vec3::from(along))
         };
         let mut radiance = Vec3::ZERO;
-        for (j, l) in (0..fur.lights).zip(light.lights) {
+        for (j, l) in (0..fur.lights.count).zip(light.lights) {
             let through = match groom.paper {
-                0 => (-tau(j) * (1.0 - fur.forward_scattering * tint)).exp(),
+                0 => (-tau(j) * (1.0 - fur.undercoat.forward_scattering * tint)).exp(),
                 _ => Vec3::ONE,
             };
             let scattered = fibre.scatter_far(
@@ -92,7 +92,7 @@ pub fn shade(
             // [Andersen2016] sec. 3.1
             radiance *= 1.0 - groom.root_darkening[0] * (-s / groom.root_darkening[1]).exp();
         }
-        let least = corners(fur.lights).into_iter().flatten().fold(f32::INFINITY, f32::min);
+        let least = corners(fur.lights.count).into_iter().flatten().fold(f32::INFINITY, f32::min);
         shades.push(Shade { radiance, eye_tau: if inside { least } else { 0.0 } });
     }
     shades

@@ -19,7 +19,7 @@ pub fn deposits(
     vertices: &[[f32; 4]],
     segments: u32,
 ) -> (Vec<f64>, f64) {
-    let mut nodes = vec![0.0; (fur.columns * (fur.levels + 1)) as usize];
+    let mut nodes = vec![0.0; (fur.lattice.columns * (fur.lattice.levels + 1)) as usize];
     let mut total = 0.0;
     for (root, strand) in roots.iter().zip(vertices.chunks(segments as usize + 1)) {
         let mut place = shell.enter(root.prism);
@@ -49,15 +49,20 @@ pub fn volume(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -
     let t = place.t;
     let flat = place.e1.cross(place.e2).length().max(1e-20);
     let raised = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2).length();
-    let height = place.extrusion(place.lambda).length() * fur.light_reach / fur.levels as f32;
+    let height = place.extrusion(place.lambda).length() * fur.lattice.reach / fur.lattice.levels as f32;
     // The end nodes stand for half a cell.
-    let cells = if level == 0 || level == fur.levels { 0.5 } else { 1.0 };
+    let cells = if level == 0 || level == fur.lattice.levels { 0.5 } else { 1.0 };
     (column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9)
 }
 
 /// Extinction at a node, 1/cm: that of the undercoat seen square, and that of guard hairs that deposited `deposit` cm2.
-pub fn extinction(coat: &Undercoat<'_>, column: &Column, level: u32, deposit: f64) -> [f32; 2] {
-    let fur = coat.fur;
+pub fn extinction(
+    fur: &FurParameters,
+    coat: &Undercoat<'_>,
+    column: &Column,
+    level: u32,
+    deposit: f64,
+) -> [f32; 2] {
     let guard = deposit as f32 / volume(coat.shell, fur, column, level);
     let (place, _) = node_place(coat.shell, fur, column, level);
     if place.t > 1.0 {
@@ -65,7 +70,8 @@ pub fn extinction(coat: &Undercoat<'_>, column: &Column, level: u32, deposit: f6
     }
     let p = coat.domain_point(&place, place.lambda);
     let t = place.t;
-    let tangent = (place.extrusion(place.lambda).normalize() + Vec3::from(fur.lean) * t).normalize();
+    let tangent =
+        (place.extrusion(place.lambda).normalize() + Vec3::from(fur.undercoat.lean) * t).normalize();
     let density = column.density * coat.clump_density(p, p, t) * place.crowding(t, tangent);
-    [fur.extinction * density, guard]
+    [fur.undercoat.extinction * density, guard]
 }

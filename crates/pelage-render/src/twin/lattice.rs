@@ -19,14 +19,14 @@ pub struct Cell {
 
 /// Grid point k of edge number `edge` from vertex a to b, counted from a: its column.
 fn edge_column(fur: &FurParameters, edge: u32, a: u32, b: u32, k: u32) -> u32 {
-    let from_smaller = if a < b { k } else { fur.lattice - k };
-    fur.vertices + edge * (fur.lattice - 1) + from_smaller - 1
+    let from_smaller = if a < b { k } else { fur.lattice.cells - k };
+    fur.lattice.vertices + edge * (fur.lattice.cells - 1) + from_smaller - 1
 }
 
 /// Column at barycentric (n - i - j, i, j) / n of a place's triangle: first come those at the skin's vertices, then those within its
 /// edges, then those within its triangles.
 pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
-    let n = fur.lattice;
+    let n = fur.lattice.cells;
     let [a, b, c] = place.vertices;
     match (i, j) {
         (0, 0) => a,
@@ -38,19 +38,19 @@ pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
         (i, j) => {
             let of_triangle = (n - 1) * (n - 2) / 2;
             let before: u32 = (1..j).map(|row| n - 1 - row).sum();
-            fur.vertices + fur.edges * (n - 1) + place.prism * of_triangle + before + i - 1
+            fur.lattice.vertices + fur.lattice.edges * (n - 1) + place.prism * of_triangle + before + i - 1
         }
     }
 }
 
 /// The cell of a place.
 pub fn cell(fur: &FurParameters, place: &Place) -> Cell {
-    let height = (place.t / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
-    let level = (height as u32).min(fur.levels - 1);
+    let height = (place.t / fur.lattice.reach).clamp(0.0, 1.0) * fur.lattice.levels as f32;
+    let level = (height as u32).min(fur.lattice.levels - 1);
     let fraction = height - level as f32;
     let inside = place.lambda.max(Vec3::ZERO);
     let lambda = inside / (inside.x + inside.y + inside.z);
-    let n = fur.lattice;
+    let n = fur.lattice.cells;
     if n == 1 {
         return Cell { columns: place.vertices, weights: lambda, level, fraction };
     }
@@ -72,19 +72,19 @@ pub fn cell(fur: &FurParameters, place: &Place) -> Cell {
 
 /// Node of a column at a level, 0..=levels.
 pub fn node_index(fur: &FurParameters, column: u32, level: u32) -> u32 {
-    column * (fur.levels + 1) + level
+    column * (fur.lattice.levels + 1) + level
 }
 
 /// Barycentric coordinates of a column in its triangle.
 pub fn column_lambda(fur: &FurParameters, column: &Column) -> Vec3 {
-    let n = fur.lattice as f32;
+    let n = fur.lattice.cells as f32;
     let (l1, l2) = ((column.grid & 0xffff) as f32 / n, (column.grid >> 16) as f32 / n);
     Vec3::new(1.0 - l1 - l2, l1, l2)
 }
 
 /// Height above the skin of a level, in shell heights.
 pub fn level_height(fur: &FurParameters, level: u32) -> f32 {
-    level as f32 / fur.levels as f32 * fur.light_reach
+    level as f32 / fur.lattice.levels as f32 * fur.lattice.reach
 }
 
 /// The place of a node, and its position, cm.

@@ -7,7 +7,7 @@ use pelage_fur::shell::Shell;
 
 /// Where a column's shadow rays start, cm: at the top of the light lattice, a little above the skin in any case.
 pub fn origin(shell: &Shell, fur: &FurParameters, column: &Column) -> Vec3 {
-    let (place, top) = node_place(shell, fur, column, fur.levels);
+    let (place, top) = node_place(shell, fur, column, fur.lattice.levels);
     top + place.e1.cross(place.e2).normalize() * 1e-3
 }
 
@@ -37,7 +37,7 @@ pub fn blocked(shell: &Shell, origin: Vec3, ray: Vec3) -> bool {
 /// One bit a light that the skin keeps from a column.
 pub fn bits(shell: &Shell, fur: &FurParameters, lights: &[Light], column: &Column) -> u64 {
     let origin = origin(shell, fur, column);
-    (0..fur.lights as usize)
+    (0..fur.lights.count as usize)
         .filter(|j| blocked(shell, origin, lights[*j].direction.into()))
         .fold(0, |bits, j| bits | (1 << j))
 }

@@ -2,7 +2,7 @@
 
 use crate::twin::undercoat_march::{MarchInputs, Step, steps};
 use glam::{Vec3, Vec4};
-use pelage_fur::layout::FurParameters;
+use pelage_fur::layout::UndercoatParameters;
 
 /// What a fragment is: the top two bits of its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -125,13 +125,17 @@ pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 
 
 /// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by eq. 4 unless there are
 /// virtual fragments.
-pub fn stored(fur: &FurParameters, mut nodes: Vec<Node>, base: Option<Base>) -> Gathered {
+pub fn blend_fragments(
+    undercoat: &UndercoatParameters,
+    mut nodes: Vec<Node>,
+    base: Option<Base>,
+) -> Gathered {
     sort(&mut nodes);
     let mut g = Gathered::new();
     for (i, node) in nodes.iter().enumerate() {
         let mut color = node.color;
-        if node.kind() == Kind::Volume && fur.virtual_fragments == 0 {
-            color *= simplified_alpha(fur.attenuation, node, &nodes[i + 1..]) / color.w.max(1e-6);
+        if node.kind() == Kind::Volume && undercoat.virtual_fragments == 0 {
+            color *= simplified_alpha(undercoat.attenuation, node, &nodes[i + 1..]) / color.w.max(1e-6);
         }
         g.over(node.kind(), color, node.z);
     }

@@ -9,7 +9,7 @@ use pelage_fur::shell::Shell;
 pub fn column(shell: &Shell, fur: &FurParameters, maps: &Maps<'_>, column: &Column) -> Column {
     let at = skin_point(shell, column.prism, column_lambda(fur, column));
     Column {
-        density: maps.scalar(Parameter::UndercoatDensity, &at) / fur.density,
+        density: maps.scalar(Parameter::UndercoatDensity, &at) / fur.undercoat.density,
         color_root: pack_albedo(maps.color(Parameter::UndercoatColorRoot, &at)),
         color_tip: pack_albedo(maps.color(Parameter::UndercoatColorTip, &at)),
         color_base: pack_albedo(maps.color(Parameter::BaseColor, &at)),

@@ -7,7 +7,7 @@ pub fn media(coat: &Undercoat<'_>) -> Vec<Medium> {
     let mut media = Vec::new();
     for prism in 0..coat.shell.prisms.len() as u32 {
         let place = coat.shell.enter(prism);
-        for layer in 0..coat.fur.layers {
+        for layer in 0..coat.parameters.layers {
             media.extend((0..1u32 << (2 * place.subdivision)).map(|id| coat.subelement(&place, layer, id)));
         }
     }

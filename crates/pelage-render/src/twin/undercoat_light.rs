@@ -2,6 +2,7 @@
 
 use crate::twin::lattice;
 use glam::Vec3;
+use pelage_fur::layout::FurParameters;
 use pelage_fur::shell::{Located, Place};
 use pelage_fur::undercoat::{Undercoat, extinction};
 use std::f32::consts::FRAC_PI_4;
@@ -12,6 +13,8 @@ pub const TAU_BLOCKED: f32 = 18.0;
 /// What stands in the way of light.
 #[derive(Clone, Copy)]
 pub struct Attenuator<'a> {
+    /// Undercoat and lattice.
+    pub fur: &'a FurParameters,
     /// The undercoat.
     pub undercoat: Undercoat<'a>,
     /// Density of the undercoat below each column, relative to the mean.
@@ -23,7 +26,7 @@ pub struct Attenuator<'a> {
 impl Attenuator<'_> {
     /// Extinction by undercoat and guard hairs at a place, towards `w`, 1/cm.
     pub fn extinction(&self, place: &Place, w: Vec3) -> f32 {
-        let fur = self.undercoat.fur;
+        let fur = self.fur;
         let cell = lattice::cell(fur, place);
         let (mut guard, mut density) = (0.0, 0.0);
         for k in 0..3 {
@@ -33,21 +36,21 @@ impl Attenuator<'_> {
             density += cell.weights[k] * self.densities[cell.columns[k] as usize];
         }
         let mut sigma = FRAC_PI_4 * guard; // the mean sine
-        if place.t <= 1.0 && fur.extinction > 0.0 {
-            sigma += density * extinction(fur, self.undercoat.at(place), w);
+        if place.t <= 1.0 && fur.undercoat.extinction > 0.0 {
+            sigma += density * extinction(&fur.undercoat, self.undercoat.at(place), w);
         }
         sigma
     }
 
     /// Optical depth from `x` in a place towards `w` in steps of `step` cm, until the ray leaves the lattice or has gone below the skin.
     pub fn optical_depth(&self, start: &Place, x: Vec3, w: Vec3, step: f32) -> f32 {
-        let fur = self.undercoat.fur;
+        let fur = self.fur;
         let mut place = *start;
         let mut sum = 0.0;
         for i in 0..20_000 {
             let at = x + (i as f32 + 0.5) * step * w;
             let found = self.undercoat.shell.locate(&mut place, at, w, 3);
-            if found != Located::Inside || place.t > fur.light_reach {
+            if found != Located::Inside || place.t > fur.lattice.reach {
                 break;
             }
             if place.t < -0.02 {

@@ -7,7 +7,7 @@ use crate::twin::lattice::unpack_albedo;
 use glam::{Vec3, Vec4};
 use pelage_fur::camera::FLAG_MARCH_JITTER;
 use pelage_fur::fibre::Fibre;
-use pelage_fur::layout::Frame;
+use pelage_fur::layout::{Frame, FurParameters};
 use pelage_fur::shell::{Located, Place};
 use pelage_fur::undercoat::{Medium, Undercoat, color, extinction, scatter};
 
@@ -24,6 +24,8 @@ pub fn first_phase(frame: &Frame, xy: [u32; 2]) -> f32 {
 /// What a march reads.
 #[derive(Clone, Copy)]
 pub struct MarchInputs<'a> {
+    /// Undercoat and lattice.
+    pub fur: &'a FurParameters,
     /// The medium.
     pub undercoat: Undercoat<'a>,
     /// Light at the nodes of the lattice.
@@ -52,14 +54,14 @@ pub struct Step {
 /// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell;
 /// `phase` is the length of the first step. Also tells whether the ray was lost.
 pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
-    let fur = inputs.undercoat.fur;
+    let fur = inputs.fur;
     let shell = inputs.undercoat.shell;
     let speed = ray.length();
     let view = -ray / speed;
     let mut place = Place { t: 1.0, ..shell.enter(prism) };
     let mut steps = Vec::new();
     let mut z = z;
-    let mut dz = fur.step / speed * phase;
+    let mut dz = fur.undercoat.step / speed * phase;
     loop {
         let z_mid = z + 0.5 * dz;
         let x = Vec3::from(inputs.frame.eye) + z_mid * ray;
@@ -86,13 +88,13 @@ pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32
         }
         let medium = inputs.undercoat.at(&place);
         let (radiance, density) = source_radiance(inputs, &place, medium, view);
-        let sigma = extinction(fur, medium, view) * density * speed;
+        let sigma = extinction(&fur.undercoat, medium, view) * density * speed;
         steps.push(Step { z, z_end, sigma, radiance, place });
         if last {
             return (steps, false);
         }
         z = z_end;
-        dz = fur.step / speed;
+        dz = fur.undercoat.step / speed;
     }
 }
 
@@ -105,13 +107,13 @@ pub struct Lookup {
     pub tau: [f32; 2],
     /// Single-scattering albedo.
     pub albedo: Vec3,
-    /// Density of the undercoat on the skin below, relative to `fur.extinction`.
+    /// Density of the undercoat on the skin below, relative to `fur.undercoat.extinction`.
     pub density: f32,
 }
 
 /// Interpolates the light lattice; the ambient radiance by its logarithm.
 pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
-    let fur = inputs.undercoat.fur;
+    let fur = inputs.fur;
     let cell = lattice::cell(fur, place);
     let (mut ambient, mut tau, mut albedo) = (Vec4::ZERO, [0f32; 2], Vec3::ZERO);
     for (k, level) in (0..3).flat_map(|k| [(k, 0), (k, 1)]) {
@@ -130,14 +132,14 @@ pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
 
 /// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
 pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
-    let fur = inputs.undercoat.fur;
+    let fur = inputs.fur;
     let found = look_up(inputs, place);
     let mut sum = found.ambient;
-    for j in 0..fur.keys as usize {
-        let l = Vec4::from(fur.key_direction[j]).truncate();
-        let through = (-found.tau[j] * (1.0 - fur.forward_scattering * found.albedo)).exp();
+    for j in 0..fur.lights.keys as usize {
+        let l = Vec4::from(fur.lights.key_direction[j]).truncate();
+        let through = (-found.tau[j] * (1.0 - fur.undercoat.forward_scattering * found.albedo)).exp();
         let scattered = scatter(inputs.coat, m.tangent, l, view, found.albedo);
-        sum += Vec4::from(fur.key_irradiance[j]).truncate() * through * scattered;
+        sum += Vec4::from(fur.lights.key_irradiance[j]).truncate() * through * scattered;
     }
     (sum * color(inputs.coat, found.albedo), found.density)
 }
@@ -152,7 +154,7 @@ pub struct Fragment {
 }
 
 /// Fragments of a ray with its entries (depth, prism) in order, before the skin at `z_base`: one an entry, or of equal opacity where
-/// `fur.virtual_fragments` asks for them. What two entries share is counted for the first.
+/// `fur.undercoat.virtual_fragments` asks for them. What two entries share is counted for the first.
 pub fn fragments(
     inputs: &MarchInputs<'_>,
     ray: Vec3,
@@ -160,7 +162,7 @@ pub fn fragments(
     entries: &[(f32, u32)],
     z_base: f32,
 ) -> Vec<Fragment> {
-    let fur = inputs.undercoat.fur;
+    let fur = inputs.fur;
     let mut made = Vec::new();
     let mut consumed = 0f32;
     for (z_entry, prism) in entries {
@@ -170,7 +172,7 @@ pub fn fragments(
         let mut opaque = 0f32;
         let mut reached = *z_entry;
         for s in &steps {
-            if (-opaque).exp() <= fur.opacity_cut || reached >= z_base {
+            if (-opaque).exp() <= fur.undercoat.opacity_cut || reached >= z_base {
                 break;
             }
             let (from, to) = (s.z.max(consumed), s.z_end.min(z_base));
@@ -181,7 +183,7 @@ pub fn fragments(
             }
         }
         consumed = consumed.max(reached);
-        let n = fur.virtual_fragments;
+        let n = fur.undercoat.virtual_fragments;
         if n == 0 {
             let whole = blend(&pieces);
             if whole.w > 0.0 {

@@ -65,12 +65,12 @@ pub struct Lattice<'a> {
 impl Lattice<'_> {
     /// Optical depth of a node to a light (or to the eye, behind the last light).
     pub fn tau(&self, node: u32, light: u32) -> f32 {
-        halves(self.tau[(node * self.fur.tau_stride + light / 2) as usize])[light as usize & 1]
+        halves(self.tau[(node * self.fur.lattice.tau_stride + light / 2) as usize])[light as usize & 1]
     }
 
     /// Mean scattered radiance at a node from above and from below.
     pub fn scattered(&self, node: u32) -> [Vec3; 2] {
-        let first = (node * self.fur.tau_stride + tau_pairs(self.fur.lights)) as usize;
+        let first = (node * self.fur.lattice.tau_stride + tau_pairs(self.fur.lights.count)) as usize;
         let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
         [Vec3::new(a, b, c), Vec3::new(d, e, f)]
     }
@@ -79,7 +79,7 @@ impl Lattice<'_> {
     pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
         let mut field = Field::default();
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
-            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+            for (j, light) in (0..self.fur.lights.count).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                 let mu = normal.dot(Vec3::from(light.direction));
                 let of_light = table.scattered_field(albedo, self.tau(node, j), mu);
                 (0..3).for_each(|c| field[c] += light.irradiance[c] * of_light[c]);
@@ -92,12 +92,12 @@ impl Lattice<'_> {
     pub fn sent(&self, column: u32, level: u32, place: &Place) -> [Vec3; 3] {
         let mut sent = [Vec3::ZERO; 3];
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
-            let height = level as f32 / self.fur.levels as f32 * self.fur.light_reach;
+            let height = level as f32 / self.fur.lattice.levels as f32 * self.fur.lattice.reach;
             let view = (Vec3::from(self.frame.eye) - place.point(height, place.lambda)).normalize();
             let normal = self.normal(place);
             let coat = mean_albedo(self.coat, &self.columns[column as usize]);
             let node = node_index(self.fur, column, level);
-            for (j, light) in (0..self.fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+            for (j, light) in (0..self.fur.lights.count).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                 let mu = normal.dot(Vec3::from(light.direction));
                 let of_light = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
                 (0..3).for_each(|k| sent[k] += Vec3::from(light.irradiance) * of_light[k]);
@@ -115,17 +115,17 @@ impl Lattice<'_> {
     pub fn source(&self, column: u32, level: u32, place: &Place) -> Source {
         let fur = self.fur;
         let of_column = &self.columns[column as usize];
-        let height = level as f32 / fur.levels as f32 * fur.light_reach;
+        let height = level as f32 / fur.lattice.levels as f32 * fur.lattice.reach;
         let t = height.min(1.0);
         let x = place.point(height, place.lambda);
-        let tangent = (self.normal(place) + Vec3::from(fur.lean) * t).normalize();
+        let tangent = (self.normal(place) + Vec3::from(fur.undercoat.lean) * t).normalize();
         let view = (Vec3::from(self.frame.eye) - x).normalize();
         let albedo = unpack_albedo(of_column.color_root).lerp(unpack_albedo(of_column.color_tip), t);
-        let attenuation = 1.0 - fur.forward_scattering * albedo;
+        let attenuation = 1.0 - fur.undercoat.forward_scattering * albedo;
         let node = node_index(fur, column, level);
-        let keys = &fur.key_lights[..fur.keys as usize];
+        let keys = &fur.lights.key_lights[..fur.lights.keys as usize];
         let mut ambient = Vec3::ZERO;
-        for (j, light) in (0..fur.lights).zip(self.lights) {
+        for (j, light) in (0..fur.lights.count).zip(self.lights) {
             if light.undercoat == 1 && !keys.contains(&j) {
                 let through = (-self.tau(node, j) * attenuation).exp();
                 let l = Vec3::from(light.direction);
@@ -137,7 +137,7 @@ impl Lattice<'_> {
         match (self.multiple, self.table) {
             (MultipleModel::Transport, Some(_)) => scattered = self.sent(column, level, place)[0],
             (MultipleModel::Dual, Some(table)) => {
-                for (j, light) in (0..fur.lights).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
+                for (j, light) in (0..fur.lights.count).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                     let l = Vec3::from(light.direction);
                     let of_light =
                         table.dual_scatter(Layer::Undercoat, albedo, tangent, l, view, self.tau(node, j));
@@ -161,10 +161,10 @@ impl Lattice<'_> {
     pub fn base_light(&self, column: u32, place: &Place) -> Vec3 {
         let of_column = &self.columns[column as usize];
         let normal = self.normal(place);
-        let attenuation = 1.0 - self.fur.forward_scattering * unpack_albedo(of_column.color_root);
+        let attenuation = 1.0 - self.fur.undercoat.forward_scattering * unpack_albedo(of_column.color_root);
         let node = node_index(self.fur, column, 0);
         let mut sum = Vec3::ZERO;
-        for (j, light) in (0..self.fur.lights).zip(self.lights) {
+        for (j, light) in (0..self.fur.lights.count).zip(self.lights) {
             let facing = normal.dot(Vec3::from(light.direction)).max(0.0);
             sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
         }

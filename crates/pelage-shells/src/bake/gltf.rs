@@ -205,7 +205,7 @@ fn fin_depth(world: &World, clothed: &Clothed, edges: &[FinEdge], manifest: &Man
 /// How directions stray in each layer, as shells are drawn by `pelage render`.
 fn strays(world: &World, textures: &FurTextures) -> Result<Vec<Stray>> {
     let manifest = &textures.manifest;
-    let (coat, fur) = (&world.scene.undercoat, groom::pack(world)?.fur);
+    let (coat, fur) = (&world.scene.undercoat, groom::pack(world)?.undercoat);
     let covered = |texture: &Texture| texture.texels.iter().map(|t| f64::from(t[3])).sum::<f64>();
     let of_layer = |(l, layer): (usize, &Texture)| {
         let guard = textures.guard.get(l).map_or(0.0, |guard| covered(guard) / covered(layer).max(1e-12));

@@ -109,11 +109,11 @@ impl Hair<'_> {
 
     fn tau(&self, v: usize, height: f32, light: u32) -> f32 {
         let fur = self.fur;
-        let x = (height / fur.light_reach).clamp(0.0, 1.0) * fur.levels as f32;
-        let level = (x as u32).min(fur.levels - 1);
+        let x = (height / fur.lattice.reach).clamp(0.0, 1.0) * fur.lattice.levels as f32;
+        let level = (x as u32).min(fur.lattice.levels - 1);
         let at = |level: u32| {
-            let node = v as u32 * (fur.levels + 1) + level;
-            halves(self.tau[(node * fur.tau_stride + light / 2) as usize])[light as usize & 1]
+            let node = v as u32 * (fur.lattice.levels + 1) + level;
+            halves(self.tau[(node * fur.lattice.tau_stride + light / 2) as usize])[light as usize & 1]
         };
         let f = x - level as f32;
         at(level) * (1.0 - f) + at(level + 1) * f
@@ -133,11 +133,11 @@ impl Hair<'_> {
         let along = self.hair(v, row.height + 0.02) - self.hair(v, (row.height - 0.02).max(0.0));
         let tangent = along.normalize();
         let view = (Vec3::from(self.frame.eye) - position).normalize();
-        let lights = self.lights.iter().take(self.fur.lights as usize);
+        let lights = self.lights.iter().take(self.fur.lights.count as usize);
         let (mut undercoat, mut guard) = (Vec3::ZERO, Vec3::ZERO);
         let height = offset.dot(n) / self.vertices[v].height.max(1e-4);
         let lean = match self.shellfin.curved {
-            1 => (n + Vec3::from(self.fur.lean) * height.min(1.0)).normalize(),
+            1 => (n + Vec3::from(self.fur.undercoat.lean) * height.min(1.0)).normalize(),
             _ => tangent,
         };
         if self.shellfin.lighting == 1 {
@@ -158,7 +158,7 @@ impl Hair<'_> {
             let l = Vec3::from(light.direction);
             let depth = self.tau(v, height, j as u32);
             let through = |color: [f32; 3]| {
-                let attenuation = 1.0 - self.fur.forward_scattering * Vec3::from(color);
+                let attenuation = 1.0 - self.fur.undercoat.forward_scattering * Vec3::from(color);
                 Vec3::from(light.irradiance) * (-depth * attenuation).exp()
             };
             if light.undercoat == 1 {

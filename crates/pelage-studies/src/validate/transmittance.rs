@@ -58,7 +58,8 @@ impl Slab {
         let spec = &world.scene.undercoat;
         let packed = groom::pack(world)?;
         let shell = Shell::default();
-        let undercoat = Undercoat { fur: &packed.fur, noise: Field::new(0), shell: &shell, cells: &[] };
+        let undercoat =
+            Undercoat { parameters: &packed.undercoat, noise: Field::new(0), shell: &shell, cells: &[] };
         let layers = spec.layers.max(1);
         let at =
             |l: u32| undercoat.evaluate(Vec3::ZERO, Vec3::Y, (l as f32 + 0.5) / layers as f32, 0).density;

@@ -96,7 +96,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     // Those along which `pelage render --fur shells` raises the shells.
     let packed = groom::pack(world)?;
     let maps = Maps { groom: &packed.groom, texels: &packed.texels };
-    let upright = surface::shell_normals(skin, packed.fur.height);
+    let upright = surface::shell_normals(skin, packed.undercoat.height);
     let kept = if curved { kept(skin, &maps, &upright) } else { vec![1.0; upright.len()] };
     let mut clothed = Clothed { skin_uv: skin.corner_uv.as_ref().map(|_| Vec::new()), ..Clothed::default() };
     let mut numbers: HashMap<(u32, [u32; 4]), u32> = HashMap::new();

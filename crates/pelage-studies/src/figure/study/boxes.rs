@@ -76,7 +76,7 @@ impl<'a> Tree<'a> {
         stack: &mut Stack,
         pieces: &mut Vec<Piece>,
     ) {
-        let length = inputs.undercoat.fur.step / start.ray.length();
+        let length = inputs.fur.undercoat.step / start.ray.length();
         let mut z = start.z;
         let mut dz = length * start.phase;
         loop {

@@ -7,7 +7,7 @@ use crate::report::Table;
 use crate::report::plot::{Curve, Plot};
 use glam::Vec3;
 use pelage_core::Result;
-use pelage_render::twin::resolve::{Base, Kind, Node, stored};
+use pelage_render::twin::resolve::{Base, Kind, Node, blend_fragments};
 use serde::Deserialize;
 
 #[derive(Deserialize)]
@@ -37,7 +37,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     // The GPU's result for these lists against that of the CPU twin.
     let samples = probe.resolve(false)?;
     let worst = lists.iter().zip(&bases).zip(&samples).map(|((list, base), sample)| {
-        let wanted = stored(&probe.fur, list.clone(), *base);
+        let wanted = blend_fragments(&probe.fur.undercoat, list.clone(), *base);
         let sum = |a: Vec3, b: Vec3, c: Vec3| a + b + c;
         let differing = sum(wanted.guard, wanted.undercoat, wanted.base)
             - sum(sample.guard, sample.undercoat, sample.base);

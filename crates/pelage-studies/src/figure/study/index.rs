@@ -201,7 +201,7 @@ fn prism(context: &FigureContext, settings: &Settings, content: &mut FigureConte
     }
     let probe = probe::probe(context.gpu, &world, [16, 16], [0, 0], [16, 16])?;
     let place = probe.shell.enter(settings.prism);
-    let (layers, d) = (probe.fur.layers, place.subdivision);
+    let (layers, d) = (probe.fur.undercoat.layers, place.subdivision);
     let middle = Vec3::splat(1.0 / 3.0);
     let up = place.extrusion(middle).normalize_or(Vec3::Y);
     let along = (place.e1 - up * up.dot(place.e1)).normalize_or(Vec3::X);

@@ -98,7 +98,7 @@ fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>
         return Err(Error::Unsupported("the march lost the ray".into()));
     }
     let mut place = Place { t: 1.0, ..shell.enter(prism) };
-    let length = probe.fur.step / ray.length();
+    let length = probe.fur.undercoat.step / ray.length();
     let mut found = Vec::new();
     for (k, step) in steps.into_iter().enumerate() {
         let dz = if k == 0 { length * phase } else { length };
@@ -114,7 +114,7 @@ fn follow(probe: &Probe<'_>, ray: Vec3, z: f32, prism: u32) -> Result<Vec<Found>
                 "step {k} was found in another prism when located again"
             )));
         }
-        let layers = probe.fur.layers;
+        let layers = probe.fur.undercoat.layers;
         let layer = ((step.place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
         let id = subelement(step.place.lambda, step.place.subdivision);
         // The last step's place is clamped to the shell.
@@ -197,7 +197,7 @@ fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
         if place.p0.distance(centre) > reach {
             continue;
         }
-        let (layers, d) = (probe.fur.layers, place.subdivision);
+        let (layers, d) = (probe.fur.undercoat.layers, place.subdivision);
         let visited = found.iter().any(|f| f.step.place.prism == index);
         let whole = |layer| corners(&place, &[Vec3::X, Vec3::Y, Vec3::Z], layer, layers);
         let [low, high] = [whole(0), whole(layers - 1)];
@@ -243,7 +243,7 @@ fn section(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
 /// The prisms as outlines, and the subelements that were read as bodies.
 fn space(probe: &Probe<'_>, ray: Vec3, z: f32, found: &[Found]) -> String {
     let [entry, exit] = ends(probe, ray, z, found);
-    let (shell, layers) = (&probe.shell, probe.fur.layers);
+    let (shell, layers) = (&probe.shell, probe.fur.undercoat.layers);
     let first = &found[0].step.place;
     let up = first.extrusion(first.lambda).normalize_or(Vec3::Y);
     let along = (ray - up * ray.dot(up)).normalize_or(up.any_orthonormal_vector());

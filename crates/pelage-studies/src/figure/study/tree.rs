@@ -236,7 +236,7 @@ impl Level {
             next += 1;
         });
         let begin = Instant::now();
-        let tree = Tree::new(&probe.shell, probe.fur.layers, d);
+        let tree = Tree::new(&probe.shell, probe.fur.undercoat.layers, d);
         let build_ms = begin.elapsed().as_secs_f64() * 1e3;
         let mut stack = Stack::new();
         let eye = Vec3::from(probe.frame.eye);
@@ -249,7 +249,7 @@ impl Level {
         });
         Self {
             d,
-            layers: probe.fur.layers,
+            layers: probe.fur.undercoat.layers,
             count: starts.len(),
             subelements: probe.prepared.subelements,
             march,
@@ -322,7 +322,7 @@ fn run(
                 let (sigma, radiance) = piece.shaded.unwrap_or_else(|| {
                     let medium = inputs.undercoat.at(&piece.place);
                     let (radiance, density) = source_radiance(inputs, &piece.place, medium, view);
-                    (extinction(inputs.undercoat.fur, medium, view) * density * speed, radiance)
+                    (extinction(&inputs.fur.undercoat, medium, view) * density * speed, radiance)
                 });
                 opaque += sigma * (piece.to.min(start.z_base) - piece.from).max(0.0);
                 light += radiance * sigma;
