@@ -216,9 +216,9 @@ fn faults_of_overrides_name_the_flag() {
         ("camera.fvo=3", "did you mean \"fov\"?"),
         ("film.spp=0", "must be at least 1"),
         ("lights.3.direction=[1,0,0]", "no item 3"),
-        ("lights.first.direction=[1,0,0]", "no index"),
-        ("camera..fov=3", "no key path"),
-        ("include=[\"a.toml\"]", "include cannot be set"),
+        ("lights.first.direction=[1,0,0]", "expected an index"),
+        ("camera..fov=3", "expected a key path"),
+        ("include=[\"a.toml\"]", "found include, which cannot be set"),
         ("camera.fov", "expected key.path=value"),
         ("preset=dodo", "no preset is called \"dodo\""),
     ] {

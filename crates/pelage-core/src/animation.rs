@@ -1,4 +1,4 @@
-//! What a frame of an animation shows: `[animation]` of the scene evaluated at a frame.
+//! Evaluates the scene's `[animation]` at a frame.
 
 use crate::scene::{Camera, Motion, Scene};
 use glam::{Quat, Vec3};
@@ -7,23 +7,23 @@ use std::f64::consts::TAU;
 /// The scene at a frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameState {
-    /// Number, from 1.
+    /// Number of the frame, from 1.
     pub frame: u32,
-    /// s since the first frame.
+    /// Time since the first frame, s.
     pub time: f64,
-    /// The camera, turned, and moved against the object's motion: the object stays where the scene puts it, and all lights are
-    /// directional, so that the picture is that of an object that moves.
+    /// The camera, turned, and moved opposite to the object's motion: the object itself stays in place. All lights are directional, so the
+    /// image is that of a moving object.
     pub camera: Camera,
 }
 
-/// The scene at `frame`, from 1 (0 counts as 1). Frames beyond `animation.frames` go on in the same way.
+/// The scene at `frame`, from 1 (0 counts as 1). Frames beyond `animation.frames` continue the motion.
 pub fn at(scene: &Scene, frame: u32) -> FrameState {
     let animation = &scene.animation;
     let frame = frame.max(1);
     let step = f64::from(frame - 1);
     let time = step / f64::from(animation.fps);
     let part = step / f64::from(animation.frames.max(1));
-    // Whole turns first, while there are digits for them.
+    // Whole turns are taken off in double precision.
     let angle = (f64::from(animation.turntable) * part).rem_euclid(360.0).to_radians() as f32;
     let mut camera = scene.camera.clone();
     let target = Vec3::from(camera.target);
@@ -37,7 +37,7 @@ pub fn at(scene: &Scene, frame: u32) -> FrameState {
     FrameState { frame, time, camera }
 }
 
-/// Where the object stands at `time` (s), from its place, cm.
+/// Displacement of the object at `time` (s) from its place, cm.
 pub fn offset(motion: &Motion, time: f64) -> Vec3 {
     let phase = (f64::from(motion.frequency) * time).fract() * TAU;
     Vec3::from(motion.axis).normalize_or_zero() * (f64::from(motion.amplitude) * phase.sin()) as f32

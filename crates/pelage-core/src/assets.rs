@@ -1,4 +1,4 @@
-//! Where assets are looked for: the scene's folder, `assets/`, the environment variable PELAGE_ASSETS.
+//! Where assets are searched for: the scene's folder, `assets/`, and the folders in the environment variable PELAGE_ASSETS.
 
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};
@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 /// The search path of a scene.
 #[derive(Debug, Clone, Default)]
 pub struct Assets {
-    /// Folders, first match wins.
+    /// Folders, in order of preference.
     pub folders: Vec<PathBuf>,
 }
 
@@ -32,7 +32,7 @@ impl Assets {
             .ok_or_else(|| Error::fault(name, format!("the file is not there; {}", self.advice())))
     }
 
-    /// Where files are looked for and how to get those that the scenes use.
+    /// Where files were searched for, and how to get those that the example scenes use.
     pub fn advice(&self) -> String {
         let folders: Vec<_> = self.folders.iter().map(|f| f.display().to_string()).collect();
         let unset =

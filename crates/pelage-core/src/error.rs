@@ -1,11 +1,11 @@
-//! The one error type. Every variant says what was found, where, what was expected and what to do.
+//! The error type of all crates. A message says where the fault is, what was found, what was expected and what to do.
 
 use std::path::{Path, PathBuf};
 
 /// Result with [`Error`].
 pub type Result<T, E = Error> = std::result::Result<T, E>;
 
-/// Everything that can go wrong, grouped by the exit code it leads to.
+/// Everything that can go wrong. Each variant leads to an exit code of the process.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum Error {
     /// Reading or writing a file failed (exit code 1).
@@ -16,13 +16,13 @@ pub enum Error {
         /// What went wrong and what to do about it.
         reason: String,
     },
-    /// A command was used wrongly (exit code 2).
+    /// A command or a function was used wrongly (exit code 2).
     #[error("{0}")]
     Usage(String),
-    /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file come together.
+    /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file are reported together.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
-    /// No adapter answers, or its limits are too low (exit code 4).
+    /// There is no adapter, or its limits are too low (exit code 4).
     #[error("{0}")]
     Adapter(String),
     /// The device was lost (exit code 5).
@@ -30,7 +30,7 @@ pub enum Error {
     DeviceLost {
         /// The pass or step.
         during: String,
-        /// What the driver said.
+        /// The driver's message.
         reason: String,
     },
     /// A GPU pass failed: validation, allocation (exit code 1).
@@ -41,21 +41,21 @@ pub enum Error {
         /// What went wrong.
         reason: String,
     },
-    /// The GPU ran out of memory in a pass, after splitting as far as it goes (exit code 1).
-    #[error("{pass}: out of GPU memory ({needed} bytes wanted): raise --memory or lower the resolution")]
+    /// The GPU ran out of memory in a pass whose tiles could not be split further (exit code 1).
+    #[error("{pass}: out of GPU memory ({needed} bytes needed): raise --memory or lower the resolution")]
     OutOfMemory {
         /// The stem of the pass.
         pass: String,
-        /// Bytes asked for.
+        /// Bytes requested.
         needed: u64,
     },
     /// The user interrupted (exit code 130).
     #[error("interrupted")]
     Interrupted,
-    /// A comparison passed its threshold, or a goal of the validation was missed (exit code 1).
+    /// A comparison exceeded its threshold, or a goal of the validation was missed (exit code 1).
     #[error("{0}")]
     GoalMissed(String),
-    /// What was asked for cannot be done with this input (exit code 1).
+    /// The request cannot be carried out with this input (exit code 1).
     #[error("{0}")]
     Unsupported(String),
     /// A value cannot be written as JSON or TOML (exit code 1).
@@ -63,14 +63,14 @@ pub enum Error {
     Encoding(String),
 }
 
-/// One fault of a scene file or of an asset, with its place.
+/// One fault of a scene file or an asset, with its position. It is displayed as `FILE:LINE:COLUMN: MESSAGE` and a line `help: HELP`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFault {
-    /// The file in which the fault stands.
+    /// The file with the fault, or what stands for it: a command-line flag, a key of the scene.
     pub file: PathBuf,
-    /// Line, from 1; 0 where the fault has no line.
+    /// Line, from 1; 0 if the fault has no line.
     pub line: usize,
-    /// Column, from 1; 0 where unknown.
+    /// Column, from 1; 0 if unknown.
     pub column: usize,
     /// What was found and what was expected.
     pub message: String,

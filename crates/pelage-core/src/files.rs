@@ -1,4 +1,4 @@
-//! Files that leave the program: they appear whole or not at all.
+//! Atomic output: files appear complete or not at all.
 
 use crate::{Error, Result};
 use std::{
@@ -10,25 +10,25 @@ use std::{
 /// What an encoder or decoder reports; the caller adds the file.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Checks before a long computation that `path` can be written after it: existing folder, no folder or device or
-/// write-protected file of that name, room on the disk for a few blocks. Leaves nothing behind.
+/// Checks before a long computation that `path` can be written after it: the folder exists, the name is not that of a folder, a device
+/// or a write-protected file, and the disk has room for a few blocks. Leaves nothing behind.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`Error::Io`] with the file and the reason.
 pub fn check_target(path: &Path) -> Result<()> {
     let target = resolved(path)?;
     let mut file = temporary(&target).map_err(|e| Error::io(path, e))?;
-    // 64 KiB find a full disk that would still take an empty file.
+    // A full disk may still take an empty file, but not 64 KiB.
     file.write_all(&[0; 1 << 16])
         .and_then(|()| file.as_file().sync_all())
         .map_err(|e| Error::io(path, format!("cannot be written: {e}")))
 }
 
-/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. The old file stays until the
-/// new one is complete, and stays for good where anything fails.
+/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. An old file stays until the
+/// new one is complete, and stays for good if anything fails.
 ///
 /// # Errors
-/// [`Error::Io`] with the file and what failed.
+/// [`Error::Io`] with the file and the failure.
 pub fn write_atomically<F>(path: &Path, write: F) -> Result<()>
 where
     F: FnOnce(&mut File) -> Result<(), Failure>,
@@ -39,7 +39,7 @@ where
     write(file.as_file_mut()).map_err(|e| fail(&e))?;
     file.as_file().sync_all().map_err(|e| fail(&e))?;
     file.persist(&target).map_err(|e| fail(&e.error))?;
-    // The rename itself is safe on disk once the folder is.
+    // The rename is durable once the folder is synced.
     #[cfg(unix)]
     if let Ok(folder) = File::open(folder_of(&target)) {
         folder.sync_all().ok();
@@ -47,7 +47,7 @@ where
     Ok(())
 }
 
-/// [`write_atomically`] through a buffer, for what writes in small pieces.
+/// [`write_atomically`] through a buffer, for output in small pieces.
 ///
 /// # Errors
 /// As [`write_atomically`].
@@ -62,11 +62,11 @@ where
     })
 }
 
-/// The file to replace: links are followed, so that they stay links.
+/// The file to replace. Links are followed, so that they stay links.
 fn resolved(path: &Path) -> Result<PathBuf> {
     let fail = |reason: String| Err(Error::io(path, reason));
     if path.file_name().is_none() {
-        return fail("is not a file name".into());
+        return fail("is not a file name, expected FOLDER/NAME".into());
     }
     let Ok(meta) = std::fs::metadata(path) else {
         let folder = folder_of(path);
@@ -79,7 +79,7 @@ fn resolved(path: &Path) -> Result<PathBuf> {
         return fail("is a folder, expected a file name".into());
     }
     if !meta.is_file() {
-        return fail("is not a regular file: images are written to a temporary file and renamed".into());
+        return fail("is not a regular file: choose another name, because output is written to a temporary file and renamed".into());
     }
     if meta.permissions().readonly() {
         return fail("is write-protected: remove it, change its permissions or choose another name".into());
@@ -98,7 +98,7 @@ fn folder_of(path: &Path) -> &Path {
 fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".pelage-").suffix(".part");
-    // tempfile's own default is private to the user; the umask decides here as for any other output.
+    // By default tempfile makes files private to the user; here the umask decides, as for any other output.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(target))

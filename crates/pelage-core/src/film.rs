@@ -1,6 +1,6 @@
-//! The film: the finished image as named planes, and what happens to it after rendering.
+//! The film: the finished image as named planes, and its processing after rendering.
 //!
-//! [`filter`] gives the weights that make pixels of samples, [`depth_of_field`] and [`composite`] change the film,
+//! [`filter`] gives the weights with which samples become pixels, [`depth_of_field`] and [`composite`] change the film, and
 //! [`io`] writes and reads it (through [`exr`], [`png`] and [`tonemap`]) with its [`metadata`].
 
 pub mod composite;
@@ -21,12 +21,12 @@ use crate::{Error, Result};
 ///
 /// `R G B` are linear and premultiplied by `A`; the others are named as pbrt's film and Blender name theirs:
 /// `guard.R`, `undercoat.R`, `base.R` (premultiplied contributions that add up to `R G B`), `depth.Z` (cm along the
-/// viewing direction, infinity where nothing is), `N.X`, `transmittance.Y`, `fragments.Y`.
+/// viewing direction, infinity where there is nothing), `N.X`, `transmittance.Y`, `fragments.Y`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Film {
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
     /// The planes: at least `R G B A`.
     pub planes: Vec<Plane>,
@@ -35,7 +35,7 @@ pub struct Film {
 /// One plane of a [`Film`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Plane {
-    /// Channel name as written to EXR.
+    /// Name of the channel in an EXR file.
     pub name: String,
     /// Written as 32-bit float (depth, position, normals, counts) instead of half.
     pub full_precision: bool,
@@ -44,7 +44,7 @@ pub struct Plane {
 }
 
 impl Film {
-    /// A film of the planes `R G B A`, all zero.
+    /// A film with the planes `R G B A`, all zero.
     pub fn new(width: u32, height: u32) -> Self {
         let mut film = Self { width, height, planes: Vec::new() };
         for name in ["R", "G", "B", "A"] {
@@ -53,7 +53,7 @@ impl Film {
         film
     }
 
-    /// A film of the planes `R G B A` made of premultiplied linear pixels, row by row from the top. Missing pixels
+    /// A film with the planes `R G B A` of premultiplied linear pixels, row by row from the top. Missing pixels
     /// are transparent black.
     pub fn from_premultiplied(width: u32, height: u32, pixels: &[[f32; 4]]) -> Self {
         let mut film = Self::new(width, height);
@@ -81,9 +81,9 @@ impl Film {
         self.validate()?;
         let mut pixels = vec![[0.0; 4]; self.pixels()];
         for (c, name) in ["R", "G", "B", "A"].into_iter().enumerate() {
-            let plane = self
-                .plane(name)
-                .ok_or_else(|| Error::Unsupported(format!("the film has no plane {name}")))?;
+            let plane = self.plane(name).ok_or_else(|| {
+                Error::Unsupported(format!("found no plane {name} in the film, expected R, G, B and A"))
+            })?;
             pixels.iter_mut().zip(plane).for_each(|(to, from)| to[c] = *from);
         }
         Ok(pixels)
@@ -105,14 +105,14 @@ impl Film {
     pub fn validate(&self) -> Result<()> {
         if self.pixels() == 0 {
             return Err(Error::Unsupported(format!(
-                "the film is empty: {} x {} pixels",
+                "found a film of {} x {} pixels, expected one or more pixels",
                 self.width, self.height
             )));
         }
         for (i, plane) in self.planes.iter().enumerate() {
             if plane.data.len() != self.pixels() {
                 return Err(Error::Unsupported(format!(
-                    "plane {} has {} values, expected {} ({} x {})",
+                    "found plane {} with {} values, expected {} ({} x {})",
                     plane.name,
                     plane.data.len(),
                     self.pixels(),
@@ -121,7 +121,10 @@ impl Film {
                 )));
             }
             if self.planes[..i].iter().any(|other| other.name == plane.name) {
-                return Err(Error::Unsupported(format!("the film has two planes called {}", plane.name)));
+                return Err(Error::Unsupported(format!(
+                    "found two planes called {} in the film, expected unique names",
+                    plane.name
+                )));
             }
         }
         Ok(())
@@ -132,7 +135,7 @@ impl Film {
         self.planes.iter().find(|p| p.name == name).map(|p| p.data.as_slice())
     }
 
-    /// The plane called `name`, to change.
+    /// The plane called `name`, mutable.
     pub fn plane_mut(&mut self, name: &str) -> Option<&mut [f32]> {
         self.planes.iter_mut().find(|p| p.name == name).map(|p| p.data.as_mut_slice())
     }

@@ -1,8 +1,7 @@
 //! Strands in Cem Yuksel's HAIR file format, read and written.
 //!
-//! Little endian: a header of 128 bytes ("HAIR", counts, which arrays follow, defaults for those that do not, 88 bytes
-//! of text), then the arrays: segments (u16 a strand), points (3 f32 each), thickness, transparency (f32 a point),
-//! colours (3 f32 a point).
+//! Little endian. A header of 128 bytes: "HAIR", counts, which arrays follow, defaults for the others, 88 bytes of text. Then the arrays:
+//! segments (u16 per strand), points (3 f32 each), thickness and transparency (f32 per point), colours (3 f32 per point).
 // [YukselHair]
 
 use crate::files::write_buffered;
@@ -38,7 +37,7 @@ pub struct HairFile {
     pub default_transparency: f32,
     /// Colour where there is no array.
     pub default_color: Vec3,
-    /// Text for people; at most 88 bytes are written.
+    /// Text for readers; at most 88 bytes are written.
     pub info: String,
 }
 
@@ -71,24 +70,28 @@ impl HairFile {
 
     /// Reads a file.
     ///
-    /// Errors: [`Error::Io`] where it cannot be read, [`Error::Scene`] where it is not a whole and consistent HAIR file.
+    /// # Errors
+    /// [`Error::Io`] where it cannot be read, [`Error::Scene`] where it is not a complete and consistent HAIR file.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
         Self::from_bytes(&bytes).map_err(|message| Error::fault(path, message))
     }
 
-    /// Writes a file, atomically: it appears whole or not at all.
+    /// Writes a file atomically: it appears complete or not at all.
     ///
-    /// Errors: [`Error::Unsupported`] where the arrays do not fit each other, [`Error::Io`].
+    /// # Errors
+    /// [`Error::Unsupported`] where the arrays do not fit each other; [`Error::Io`] where it cannot be written.
     pub fn write(&self, path: &Path) -> Result<()> {
-        self.check().map_err(|m| Error::Unsupported(format!("{}: {m}: not written", path.display())))?;
+        self.check().map_err(|m| Error::Unsupported(format!("{}: not written: {m}", path.display())))?;
         write_buffered(path, |out| Ok(self.to_writer(out)?))
     }
 
     /// Reads the bytes of a file; the error says what was found and what was expected.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, String> {
         if !bytes.starts_with(b"HAIR") {
-            return Err("found no HAIR file: it does not begin with the letters HAIR".into());
+            return Err(
+                "found other data, expected a HAIR file, which would begin with the letters HAIR".into()
+            );
         }
         if bytes.len() < HEADER {
             return Err(format!("truncated: found {} bytes, expected a header of {HEADER}", bytes.len()));
@@ -131,9 +134,10 @@ impl HairFile {
         let segments = if flags & SEGMENTS != 0 {
             segments.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect()
         } else {
-            // As many strands as points are enough for any honest file.
-            let each = u16::try_from(default_segments)
-                .map_err(|_| format!("found {default_segments} segments a strand, expected at most 65535"))?;
+            // Each strand has a point at least, so the number of strands cannot exceed that of the points.
+            let each = u16::try_from(default_segments).map_err(|_| {
+                format!("found {default_segments} segments per strand, expected at most 65535")
+            })?;
             if n * (u64::from(each) + 1) != p {
                 return Err(format!("found {points} points, expected {strands} strands of {each} segments"));
             }
@@ -178,16 +182,22 @@ impl HairFile {
             }
         }
         if let Some(i) = self.points.iter().position(|p| !p.is_finite()) {
-            return Err(format!("point {i} is {}, expected finite numbers", self.points[i]));
+            return Err(format!("found point {i} at {}, expected finite numbers", self.points[i]));
         }
         if let Some(i) = self.thickness.iter().position(|t| !(t.is_finite() && *t >= 0.0)) {
-            return Err(format!("thickness {i} is {}, expected a number not below 0", self.thickness[i]));
+            return Err(format!(
+                "found thickness {i} = {}, expected a finite number not below 0",
+                self.thickness[i]
+            ));
         }
         if let Some(i) = self.transparency.iter().position(|t| !t.is_finite()) {
-            return Err(format!("transparency {i} is {}, expected a finite number", self.transparency[i]));
+            return Err(format!(
+                "found transparency {i} = {}, expected a finite number",
+                self.transparency[i]
+            ));
         }
         if let Some(i) = self.colors.iter().position(|c| !c.is_finite()) {
-            return Err(format!("colour {i} is {}, expected finite numbers", self.colors[i]));
+            return Err(format!("found colour {i} = {}, expected finite numbers", self.colors[i]));
         }
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Lights: everything that shines becomes a list of directional lights before the passes run.
+//! Lights: a scene's lights and its environment as a list of directional lights.
 
 pub mod environment;
 
@@ -8,10 +8,10 @@ use crate::{Error, Result, Scene, SceneFault};
 use environment::{Panorama, map_from_world, median_cut, uniform_sky};
 use glam::Vec3;
 
-/// Largest number of lights that an environment map becomes.
+/// Largest number of directional lights made from an environment map.
 pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
 
-/// A directional light as the passes read it.
+/// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
     /// Unit vector from the scene towards the light, world space.
@@ -24,11 +24,11 @@ pub struct Light {
     pub undercoat: bool,
 }
 
-/// All directional lights of a scene: the given ones, then those made of the environment map.
+/// All directional lights of a scene: the given ones, then those made from the environment map.
 ///
 /// # Errors
-/// [`Error::Scene`] for directions of no length, irradiances and factors that are negative or not finite, a number of
-/// environment lights outside 1..=64, and a map that is missing or damaged. All faults of the given values at once.
+/// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not finite, a number of
+/// environment lights outside 1..=64, and a map that is missing or damaged. Faults of values come all together.
 pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     let mut faults = Vec::new();
     let mut fault = |place: String, message: String| {
@@ -41,13 +41,13 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
         if direction.is_none() {
             fault(
                 format!("lights[{i}].direction"),
-                format!("is {:?}: expected a vector that points to the light", light.direction),
+                format!("found {:?}, expected a vector from the scene towards the light", light.direction),
             );
         }
         if !usable(&light.irradiance) {
             fault(
                 format!("lights[{i}].irradiance"),
-                format!("is {:?}: expected finite numbers from 0", light.irradiance),
+                format!("found {:?}, expected finite numbers not below 0", light.irradiance),
             );
         }
         if let Some(direction) = direction {
@@ -59,14 +59,17 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
         if !(1..=MAX_ENVIRONMENT_LIGHTS).contains(&environment.lights) {
             fault(
                 "environment.lights".into(),
-                format!("is {}: expected 1 to {MAX_ENVIRONMENT_LIGHTS}", environment.lights),
+                format!("found {}, expected 1 to {MAX_ENVIRONMENT_LIGHTS}", environment.lights),
             );
         }
         if !usable(&environment.tint) || !usable(&[environment.intensity]) || !environment.rotate.is_finite()
         {
             fault(
                 "environment".into(),
-                "intensity and tint must be finite numbers from 0, rotate a finite angle".into(),
+                format!(
+                    "found intensity {}, tint {:?} and rotate {}, expected finite numbers, intensity and tint not below 0",
+                    environment.intensity, environment.tint, environment.rotate
+                ),
             );
         }
     }

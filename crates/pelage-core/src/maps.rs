@@ -7,13 +7,13 @@ use crate::{Error, Result, Scene};
 use glam::{Vec2, Vec3, Vec4};
 use std::path::Path;
 
-/// The map name that stands for the mesh's vertex colours instead of an image.
+/// The map name that means the mesh's vertex colours instead of an image.
 pub const VERTEX_COLOR: &str = "vertex_color";
 
-/// Larger images are reduced to this many texels a side.
+/// Images that are wider or higher than this many texels are reduced to it.
 pub const MAX_SIDE: u32 = 2048;
 
-/// Length that an image covers where it is looked up without uv, cm, at scale 1.
+/// Length that an image covers at scale 1 where it is looked up without uv, cm.
 pub const TRIPLANAR_CM: f32 = 10.0;
 
 /// The images that a scene's groom names, each once.
@@ -21,20 +21,20 @@ pub const TRIPLANAR_CM: f32 = 10.0;
 pub struct MapSet {
     /// The images.
     pub images: Vec<MapImage>,
-    /// What loading changed or noticed, for the user.
+    /// What loading changed or noticed, to be reported to the user.
     pub notes: Vec<String>,
 }
 
-/// One image, linear RGBA (PNG colours decoded from sRGB for colours, raw for scalars: see `name`).
+/// One image, RGBA.
 #[derive(Debug, Clone)]
 pub struct MapImage {
     /// File name as in the scene.
     pub name: String,
-    /// Decoded from sRGB (colours) or raw (scalars).
+    /// Whether it is read as a colour: a PNG is then decoded from sRGB to linear. Scalars are read as the file has them.
     pub color: bool,
-    /// Texels.
+    /// Width, texels.
     pub width: u32,
-    /// Texels.
+    /// Height, texels.
     pub height: u32,
     /// Row by row from the top, straight alpha.
     pub texels: Vec<[f32; 4]>,
@@ -43,7 +43,8 @@ pub struct MapImage {
 impl MapSet {
     /// Loads every map that `scene` names: PNG, HDR or EXR.
     ///
-    /// Errors: [`Error::Scene`] with all images that are missing or unreadable, each by name.
+    /// # Errors
+    /// [`Error::Scene`] with all images that are missing or unreadable, each by name.
     pub fn load(scene: &Scene, assets: &Assets) -> Result<Self> {
         let mut set = Self::default();
         let mut faults = Vec::new();
@@ -54,7 +55,7 @@ impl MapSet {
             match assets.find(name).and_then(|path| load_image(&path, name, color, &mut set.notes)) {
                 Ok(image) => set.images.push(image),
                 Err(Error::Scene(mut found)) => {
-                    // The same file may be wanted as a colour and as a scalar: one message is enough.
+                    // A file may be read both as a colour and as a scalar: one message is enough.
                     found.retain(|fault| !faults.contains(fault));
                     faults.append(&mut found);
                 }
@@ -64,13 +65,13 @@ impl MapSet {
         if faults.is_empty() { Ok(set) } else { Err(Error::Scene(faults)) }
     }
 
-    /// Where in `images` the map called `name` is, read as a colour or as a scalar.
+    /// Index in `images` of the map called `name`, read as a colour or as a scalar.
     pub fn index_of(&self, name: &str, color: bool) -> Option<usize> {
         self.images.iter().position(|image| image.name == name && image.color == color)
     }
 }
 
-/// The images that the groom names, and whether they are read as colours; repeated as often as they are named.
+/// The images that the groom names, with repetitions, and whether each is read as a colour.
 fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
     let (guard, undercoat) = (&scene.guard, &scene.undercoat);
     let scalars = [
@@ -108,7 +109,7 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
     maps
 }
 
-/// Reads one image, replaces what is not a number by 0 and reduces it to [`MAX_SIDE`].
+/// Reads one image, replaces values that are not finite by 0, and reduces it to [`MAX_SIDE`].
 fn load_image(path: &Path, name: &str, color: bool, notes: &mut Vec<String>) -> Result<MapImage> {
     let (width, height, texels) = io::read_texels(path, color)?;
     let mut image = MapImage { name: name.to_owned(), color, width, height, texels };
@@ -128,7 +129,7 @@ fn load_image(path: &Path, name: &str, color: bool, notes: &mut Vec<String>) -> 
 }
 
 impl MapImage {
-    /// The texel at column x and row y, both wrapped once where they are one step outside.
+    /// The texel at column x and row y, which wrap around if they are one step outside.
     fn texel(&self, x: i32, y: i32) -> Vec4 {
         let wrap = |i: i32, n: u32| (i + n as i32) as usize % n as usize;
         self.texels
@@ -136,22 +137,22 @@ impl MapImage {
             .map_or(Vec4::ZERO, |t| Vec4::from_array(*t))
     }
 
-    /// The image at `uv`, repeated: u to the right, v up, so that v = 0 is the lower edge of the bottom row; texel
-    /// centres lie at half texels, between them the four nearest are mixed.
+    /// The image at `uv`, repeated, by bilinear interpolation. u goes to the right, v upwards: v = 0 is the lower edge of the bottom row.
+    /// Texel centres lie at half texels.
     pub fn bilinear(&self, uv: Vec2) -> [f32; 4] {
         bilinear([self.width, self.height], uv, |x, y| self.texel(x, y)).to_array()
     }
 
-    /// The image at a place without uv: three lookups along the axes, at (y, z), (x, z) and (x, y), weighted by the
+    /// The image at a point without uv: three lookups along the axes, at (y, z), (x, z) and (x, y), weighted by the
     /// fourth power of the normal's component along the axis. At `scale` 1 the image repeats every
-    /// [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the place in cm, `normal` need not be of unit length.
+    /// [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the point in cm; `normal` need not be of unit length.
     pub fn triplanar(&self, position_cm: Vec3, normal: Vec3, scale: f32) -> [f32; 4] {
         let p = position_cm * (scale / TRIPLANAR_CM);
         triplanar(p, normal, |uv| Vec4::from_array(self.bilinear(uv))).to_array()
     }
 
-    /// A smaller image of at most [`MAX_SIDE`] a side whose texels are means over the (fractional) boxes they cover;
-    /// the aspect ratio stays as nearly as whole texels allow.
+    /// An image of at most [`MAX_SIDE`] texels a side, with the same aspect ratio up to rounding. Its texels are means over the boxes that
+    /// they cover, parts of texels included.
     fn reduced(&self) -> Self {
         let larger = self.width.max(self.height);
         let side = |n: u32| {
@@ -201,7 +202,7 @@ pub fn triplanar(p: Vec3, normal: Vec3, plane: impl Fn(Vec2) -> Vec4) -> Vec4 {
     w.x * plane(Vec2::new(p.y, p.z)) + w.y * plane(Vec2::new(p.x, p.z)) + w.z * plane(Vec2::new(p.x, p.y))
 }
 
-/// For each of `to` even intervals of `from` texels: the texels it covers and their weights, which add up to 1.
+/// For each of `to` equal intervals of `from` texels: the texels that it covers and their weights, which add up to 1.
 fn boxes(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
     let step = f64::from(from) / f64::from(to);
     (0..to)

@@ -1,4 +1,4 @@
-//! Meshes as they come from a file or from a procedure, and the skin made of them.
+//! Meshes from a file or a procedural shape, and the skin made from them.
 
 pub mod obj;
 mod repair;
@@ -23,25 +23,26 @@ pub struct Mesh {
     pub colors: Vec<Vec3>,
     /// Corner indices.
     pub triangles: Vec<[u32; 3]>,
-    /// uv of each triangle corner.
+    /// uv of each triangle corner, if the mesh has any.
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
-    /// What reading noticed, but needed no repair.
+    /// What reading noticed and did not need to repair.
     pub notes: Vec<String>,
-    /// What reading repaired; an error where the scene says `strict`.
+    /// What reading repaired; an error where the scene has `mesh.strict`.
     pub repairs: Vec<String>,
 }
 
 /// Welds positions, drops what cannot carry fur (zero-area and duplicate triangles, unused vertices), winds the rest
-/// consistently (closed parts outwards) and smooths normals. Each repair stands with its count in the skin's `notes`,
-/// so do boundary, non-manifold and inconsistent edges and the number of parts.
+/// consistently (closed parts outwards) and smooths normals. The skin's `notes` list each repair with its count, boundary,
+/// non-manifold and inconsistent edges, and the number of parts.
 pub fn skin_of(mesh: Mesh) -> Skin {
     repair::repair(mesh).0
 }
 
-/// Reads or makes the mesh that `spec` names, transforms it to world space (cm) and makes the skin of it.
+/// Reads or builds the mesh that `spec` names, transforms it to world space (cm) and makes it a skin.
 /// `find` resolves an asset name to a path.
 ///
-/// Errors: [`Error::Scene`] where `spec` names no mesh or more than one, for faults of the file (with lines), where no
+/// # Errors
+/// [`Error::Scene`] where `spec` names no mesh or more than one, for faults of the file (with lines), where no
 /// triangle is left, and with `spec.strict` for everything that was repaired or left open, all in one;
 /// [`Error::Io`] where the file cannot be read.
 pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<Skin> {
@@ -54,9 +55,12 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
                     file: path,
                     line: 0,
                     column: 0,
-                    message: format!("mesh.strict is set, and the mesh has {}", repairs.join("; ")),
+                    message: format!(
+                        "found {}, expected a mesh without faults because mesh.strict is set",
+                        repairs.join("; ")
+                    ),
                     help: Some(
-                        "repair the mesh, or leave mesh.strict out to render it as far as it goes".into(),
+                        "repair the mesh, or leave mesh.strict out to render it with these repairs".into(),
                     ),
                 }]));
             }
@@ -64,7 +68,7 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
         }
         (None, Some(shape)) => {
             let mut skin = skin_of(shapes::shape(shape));
-            // What is open or made of parts here is so by design.
+            // Procedural shapes are open or have several parts by design.
             skin.notes.clear();
             (format!("{shape:?}"), skin)
         }
@@ -78,7 +82,7 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
     if skin.triangles.is_empty() {
         return Err(Error::fault(
             name,
-            format!("no triangle is left to carry fur: {}", skin.notes.join("; ")),
+            format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
     place(&mut skin, spec).map_err(|message| Error::fault(name, message))?;
@@ -115,17 +119,17 @@ fn place(skin: &mut Skin, spec: &MeshSpec) -> Result<(), String> {
     let largest = skin.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     if !skin.positions.iter().all(|p| p.is_finite()) || largest > MAX_COORDINATE {
         return Err(format!(
-            "the mesh reaches {largest:e} cm from the origin, expected at most {MAX_COORDINATE:e}: set mesh.size"
+            "found coordinates up to {largest:e} cm, expected at most {MAX_COORDINATE:e}: set mesh.size"
         ));
     }
     if (0..skin.triangles.len()).all(|t| skin.triangle_area(t) == 0.0) {
         return Err(format!(
-            "the mesh is too small: its largest side is {:e} cm: set mesh.size",
+            "found a mesh whose largest side is {:e} cm, expected triangles with an area: set mesh.size",
             side * scale
         ));
     }
     Ok(())
 }
 
-/// Beyond this, squares of areas overflow f32.
+/// Largest coordinate, cm: beyond it, squares of areas overflow f32.
 const MAX_COORDINATE: f32 = 1e8;

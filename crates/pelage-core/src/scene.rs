@@ -1,10 +1,8 @@
-//! The scene: what a scene file says, resolved. Lengths are cm, densities hairs/cm², diameters µm, colours
-//! linear RGB, angles degrees.
+//! The scene file. Lengths are cm, densities hairs/cm², diameters µm, colours linear RGB, angles degrees.
 //!
-//! A scene file goes through these steps, each in a module of its own: `tree` parses text to a tree that knows where
-//! every value stands, `load` merges includes and the preset under it, `overrides` sets what the command line gives,
-//! `check` holds the tree against the JSON schema, `rules` looks at what the schema cannot say. All faults come out
-//! together.
+//! A scene file goes through these steps, each in a module of its own: `tree` parses the text to a tree that knows the position of
+//! every value, `load` merges includes and the preset under it, `overrides` sets values from the command line, `check` checks the tree
+//! against the JSON schema, and `rules` checks what the schema cannot express. All faults are reported together.
 
 mod animation;
 mod check;

@@ -1,9 +1,9 @@
-//! The skin: what a mesh becomes before any pass reads it.
+//! The skin: the surface that carries the fur.
 
 use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
 
-/// A neighbour that is not there: the edge is a boundary.
+/// Index of a missing neighbour: the edge is a boundary.
 pub const NONE: u32 = u32::MAX;
 
 /// The surface that carries the fur, in world space (cm).
@@ -14,15 +14,15 @@ pub const NONE: u32 = u32::MAX;
 pub struct Skin {
     /// Vertex positions, cm, world space.
     pub positions: Vec<Vec3>,
-    /// Smoothed unit normals, one a vertex, angle weighted.
+    /// Smoothed unit normals, one per vertex, weighted by angle.
     pub normals: Vec<Vec3>,
-    /// Vertex colours as read from the file (linear RGB), one a vertex, white where the file has none.
+    /// Vertex colours as read from the file (linear RGB), one per vertex, white where the file has none.
     pub colors: Vec<Vec3>,
     /// Corner indices of each triangle, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
     /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up triplanar).
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
-    /// What loading repaired or noticed, for the user.
+    /// What loading repaired or noticed, to be reported to the user.
     pub notes: Vec<String>,
 }
 
@@ -43,7 +43,7 @@ impl Skin {
         (0..self.triangles.len()).map(|t| f64::from(self.triangle_area(t))).sum()
     }
 
-    /// The same surface with three vertices of its own for each triangle, whose normals are the triangle's.
+    /// The same surface with flat shading: each triangle has three vertices of its own, with the triangle's normal.
     pub fn faceted(mut self) -> Self {
         let corners = self.triangles.as_flattened();
         let positions: Vec<Vec3> = corners.iter().map(|v| self.positions[*v as usize]).collect();
@@ -55,7 +55,7 @@ impl Skin {
         self
     }
 
-    /// Axis-aligned bounds.
+    /// Lowest and highest corner of the bounding box, cm.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.positions
             .iter()

@@ -1,4 +1,4 @@
-//! Counts, times and bytes of a rendering, in the rows of Andersen et al. 2016, Table 1.
+//! Counts, times and memory of a rendering, by the rows of Andersen et al. 2016, Table 1.
 
 use serde::Serialize;
 
@@ -9,11 +9,11 @@ pub struct Stats {
     pub adapter: String,
     /// Driver and its version.
     pub driver: String,
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub spp: u32,
     /// `base`, `explicit`, `implicit` or `hybrid`.
     pub fur: String,
@@ -29,48 +29,48 @@ pub struct Stats {
     pub storage: String,
     /// Tiles rendered.
     pub tiles: u64,
-    /// Tiles that overflowed, were split and rendered again.
+    /// Tiles that overflowed and were split and rendered again.
     pub tiles_retried: u64,
     /// Fragments in linked lists, all tiles together.
     pub fragments: u64,
     /// Longest list of a sample.
     pub fragments_max: u64,
-    /// Fragments that found no place in the end: always 0, or the rendering fails.
+    /// Fragments that were dropped: always 0, otherwise the rendering fails.
     pub fragments_dropped: u64,
-    /// Rays that lost their place in the shell at some step (the hop limit was reached where it folds).
+    /// Rays that at some step lost their place in the prism shell: the limit of hops was reached where it folds.
     pub rays_lost: u64,
-    /// The budget.
+    /// GPU memory budget, bytes.
     pub memory_budget_bytes: u64,
-    /// Largest sum of GPU allocations alive at once.
+    /// Largest sum of GPU allocations alive at once, bytes.
     pub gpu_peak_bytes: u64,
-    /// Wall time.
+    /// Wall time, ms.
     pub total_ms: f64,
     /// The rows of the table.
     pub steps: Vec<Step>,
-    /// Passes in order, finer than the steps.
+    /// The passes in order; a step consists of one or more.
     pub passes: Vec<PassTime>,
 }
 
 /// A row of Table 1.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct Step {
-    /// 1..=7 as in the paper's table; 0 for what the paper has not.
+    /// 1..=7 as in the paper's table; 0 for what is not in the paper.
     pub step: u32,
     /// Row name.
     pub name: String,
-    /// GPU time; `None` where the adapter has no timestamps.
+    /// GPU time, ms; `None` where the adapter has no timestamps.
     pub ms: Option<f64>,
-    /// Bytes of its buffers.
+    /// Size of its buffers, bytes.
     pub bytes: u64,
 }
 
 /// Time of one pass.
 #[derive(Debug, Clone, Default, Serialize)]
 pub struct PassTime {
-    /// Stem of the pass.
+    /// Name of the pass.
     pub pass: String,
-    /// GPU time; `None` where the adapter has no timestamps.
+    /// GPU time, ms; `None` where the adapter has no timestamps.
     pub ms: Option<f64>,
-    /// How often it was dispatched.
+    /// Number of dispatches.
     pub dispatches: u64,
 }

@@ -16,12 +16,16 @@ pub struct World {
     pub lights: Vec<Light>,
     /// The image maps that the groom names.
     pub maps: MapSet,
-    /// The manifest of the textures that the scene names for its shells.
+    /// Manifest of the textures that the scene names for its shells.
     pub textures: Option<std::path::PathBuf>,
 }
 
 impl World {
-    /// Loads what `scene` names.
+    /// Loads the files that `scene` names.
+    ///
+    /// # Errors
+    /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no sense; [`crate::Error::Io`] where a mesh
+    /// cannot be read.
     pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
         let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         let lights = crate::light::lights_of(&scene, assets)?;

@@ -7,7 +7,7 @@ use pelage_core::Result;
 use pelage_core::scene::{Background, Filter};
 use std::io::{self, Write};
 
-/// What does not depend on the scene.
+/// The part of the script that does not depend on the scene.
 const BUILDER: &str = include_str!("blender.py");
 
 pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
@@ -44,7 +44,7 @@ fn script(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()
         Filter::Gaussian => "GAUSSIAN",
         Filter::Triangle | Filter::Mitchell => "BLACKMAN_HARRIS",
     };
-    // Cycles counts the whole width of the filter.
+    // Cycles takes the full width of the filter, not its radius.
     writeln!(out, "FILTER = (\"{filter}\", {})", 2.0 * v.filter.1)?;
     let axes = [v.right, v.up, -v.forward, v.eye].map(tuple).join(", ");
     writeln!(out, "# Right, up, backwards, eye.\nCAMERA = ({axes})\nTAN_Y = {}\nNEAR = {}", v.tan_y, v.near)?;

@@ -1,17 +1,17 @@
-//! Hairs cut into the pieces that are there.
+//! Hairs as the curves that remain where some of their segments are absent.
 
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
 use pelage_pathtrace::strands::Strands;
 
-/// Neighbouring segments of a hair that are all present.
+/// A maximal run of present segments of a hair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Run<'a> {
     /// Number of the hair.
     pub hair: usize,
-    /// Number of the first point on the hair.
+    /// Index of the first point on the hair.
     pub first: usize,
-    /// World space and radius, cm; at least two.
+    /// Positions in world space and radii, cm; at least two points.
     pub points: &'a [Vec4],
 }
 
@@ -20,13 +20,13 @@ pub struct Run<'a> {
 pub struct Segment {
     /// Number of the hair.
     pub hair: usize,
-    /// Number of the segment on the hair.
+    /// Index of the segment on the hair.
     pub number: usize,
-    /// World space and radius, cm.
+    /// Positions in world space and radii, cm.
     pub ends: [Vec4; 2],
 }
 
-/// The pieces of all hairs, in order, root first. Where segments are cut out, a hair becomes several.
+/// The runs of all hairs, in order, from root to tip. A hair with gaps has several.
 pub fn runs(strands: &Strands) -> impl Iterator<Item = Run<'_>> {
     strands.points.chunks_exact(strands.segments + 1).enumerate().flat_map(move |(hair, points)| {
         let present = strands.hairs.get(hair).map_or(0, |h| h.present);
@@ -38,7 +38,7 @@ pub fn runs(strands: &Strands) -> impl Iterator<Item = Run<'_>> {
     })
 }
 
-/// All segments that are there and have a length.
+/// All segments that are present and have a length.
 pub fn segments(strands: &Strands) -> impl Iterator<Item = Segment> + '_ {
     runs(strands).flat_map(|run| {
         run.points.windows(2).enumerate().filter_map(move |(k, ends)| {
@@ -54,12 +54,12 @@ pub fn color(strands: &Strands, hair: usize, k: f32) -> Vec3 {
     strands.color(hair, k / strands.segments as f32)
 }
 
-/// How much there is of a layer.
+/// Counts of a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Counts {
-    /// Pieces of hairs.
+    /// Runs of present segments.
     pub runs: u64,
-    /// Points of all pieces.
+    /// Points of all runs.
     pub points: u64,
 }
 
@@ -73,7 +73,7 @@ impl Counts {
     }
 }
 
-/// The layer in words, with counts.
+/// Description of the layer, with counts.
 pub fn holds(strands: &Strands) -> String {
     let Counts { runs, points } = Counts::of(strands);
     let cut = if runs == strands.hairs.len() as u64 { String::new() } else { format!(" in {runs} pieces") };
@@ -88,7 +88,7 @@ pub fn name(layer: Layer) -> &'static str {
     }
 }
 
-/// Whether all hairs of the layer have the same colour from root to tip.
+/// The colour of all hairs of the layer, if it is the same for all from root to tip.
 pub fn one_color(strands: &Strands) -> Option<Vec3> {
     let first = strands.hairs.first()?.color_root;
     let same = strands.hairs.iter().all(|h| h.color_root == first && h.color_tip == first);

@@ -1,4 +1,4 @@
-//! What a target cannot express, said of the scene at hand.
+//! How an exported scene differs from the original: what the target cannot express of it.
 
 use super::sky::Sky;
 use super::{Job, Target, curves, material, skin_colors};
@@ -6,7 +6,7 @@ use pelage_core::scene::{Background, Filter, FurLayers, Shading};
 use pelage_fur::Layer;
 use pelage_fur::groom;
 
-/// One sentence for each thing that the target renders otherwise than this program.
+/// One sentence for each thing that the target renders differently from this program.
 pub(super) fn of(job: &Job<'_>, target: Target) -> Vec<String> {
     let mut notes = Vec::new();
     hairs(job, target, &mut notes);
@@ -87,7 +87,7 @@ fn hairs(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
     }
 }
 
-/// Largest change of the radius by length.
+/// Largest change of radius per length.
 fn steepest(job: &Job<'_>) -> f32 {
     let slope = |s: curves::Segment| {
         let [a, b] = s.ends;

@@ -1,4 +1,4 @@
-//! HAIR files of all layers.
+//! HAIR files, one per layer.
 
 use super::{Job, curves};
 use glam::Vec3;
@@ -6,20 +6,20 @@ use pelage_core::{Error, Result};
 use pelage_pathtrace::strands::Strands;
 use std::io::{self, Write};
 
-/// Writes a HAIR file a layer, then the skin as OBJ.
+/// Writes one HAIR file per layer, then the skin as OBJ.
 pub(super) fn write(job: &mut Job<'_>) -> Result<()> {
     layers(job)?;
     job.obj("skin.obj")
 }
 
-/// Writes a HAIR file a layer: `guard.hair`, `undercoat.hair`; diameters, transparency and colours at each point.
+/// Writes one HAIR file per layer, `guard.hair` and `undercoat.hair`, with diameters, transparency and colours at each point.
 pub(super) fn layers(job: &mut Job<'_>) -> Result<()> {
     for strands in job.strands {
         let name = format!("{}.hair", curves::name(strands.layer));
         let points = curves::Counts::of(strands).points;
         if u32::try_from(points).is_err() {
             return Err(Error::Unsupported(format!(
-                "{name}: {points} points are too many for a HAIR file, expected at most {}: export a smaller part",
+                "{name}: found {points} points, expected at most {}, the limit of a HAIR file: export a smaller part",
                 u32::MAX
             )));
         }
@@ -38,7 +38,7 @@ fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {
         out.write_all(&word.to_le_bytes())?;
     }
     let float = |out: &mut dyn Write, x: f32| out.write_all(&x.to_le_bytes());
-    // Defaults for arrays that are not there: none is missing.
+    // Defaults for missing arrays, of which there are none.
     for x in [0.005, 0.0, 1.0, 1.0, 1.0] {
         float(out, x)?;
     }
@@ -69,7 +69,7 @@ fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {
     Ok(())
 }
 
-/// Opacity at a point of all strands.
+/// Opacity at a point, which is the same for all strands.
 pub(super) fn opacity(strands: &Strands, point: usize) -> f32 {
     strands.opacity.get(point).copied().unwrap_or(1.0)
 }

@@ -1,7 +1,7 @@
-//! Scenes for other renderers: what is rendered, with every hair a strand, as Mitsuba 3, pbrt-v4, Blender (Cycles), OpenUSD and HAIR files.
+//! Writes a scene, with every hair a strand, for other renderers: Mitsuba 3, pbrt-v4, Blender (Cycles), OpenUSD and HAIR files.
 //!
-//! Lengths are cm in all of them. What a target cannot express stands as a comment at the head of the file that is opened; large arrays go
-//! to files beside it, written as they are computed. The head file comes last, so that it never names a file that is not there.
+//! Lengths are cm in all of them. What a target cannot express is listed in comments at the beginning of its main file, the one to open. Large
+//! arrays go to files beside it, written as they are computed. The main file is written last, so that it never names a missing file.
 
 mod blender;
 pub mod curves;
@@ -39,12 +39,12 @@ pub enum Target {
     Blender,
     /// OpenUSD in text form: scene.usda.
     Usd,
-    /// Cem Yuksel's HAIR, a file a layer, and the skin as OBJ.
+    /// Cem Yuksel's HAIR format, one file per layer, and the skin as OBJ.
     Hair,
 }
 
 impl Target {
-    /// The file to open.
+    /// The main file: the one to open.
     pub fn head(self) -> &'static str {
         match self {
             Self::Mitsuba => "scene.xml",
@@ -56,25 +56,25 @@ impl Target {
     }
 }
 
-/// What the environment becomes.
+/// What the environment is written as.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum EnvironmentAs {
-    /// A map, or a uniform sky.
+    /// An environment map, or a uniform sky.
     #[default]
     Map,
-    /// The directional lights that this program makes of it.
+    /// The directional lights that this program converts it to.
     Lights,
 }
 
 /// A file that was written.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Written {
-    /// The file.
+    /// The file's path.
     pub path: PathBuf,
-    /// Its size.
+    /// Its size, bytes.
     pub bytes: u64,
-    /// What it holds, in words with counts; empty for the head file.
+    /// A description of its content with counts; empty for the main file.
     pub holds: String,
 }
 
@@ -83,17 +83,18 @@ pub(crate) struct Job<'a> {
     pub world: &'a World,
     pub strands: &'a [Strands],
     pub sky: Option<Sky>,
-    /// The lights that the sky does not stand for.
+    /// The directional lights that `sky` does not include.
     pub lights: Vec<Light>,
     pub view: view::View,
     folder: &'a Path,
     written: Vec<Written>,
 }
 
-/// Writes `world` with `strands` to `folder` for `target`; the folder is made where only it is missing.
+/// Writes `world` with `strands` to `folder` for `target`. The folder is created if its parent exists.
 ///
 /// # Errors
-/// [`Error::Io`] where the folder cannot be made or a file not written; [`Error::Scene`] for an environment map that cannot be read.
+/// [`Error::Io`] if the folder cannot be created or a file cannot be written; [`Error::Scene`] for an environment map that cannot be read;
+/// [`Error::Unsupported`] for more points than a HAIR file holds.
 pub fn write(
     world: &World,
     strands: &[Strands],
@@ -121,20 +122,20 @@ pub fn write(
     Ok(job.written)
 }
 
-/// Makes the folder if its parent is there, and checks that the head file can be written; before the long work begins.
+/// Creates the folder if its parent exists, and checks that the main file can be written. To be called before long computations.
 ///
 /// # Errors
-/// [`Error::Io`].
+/// [`Error::Io`] with the folder or file and the reason.
 pub fn check_folder(folder: &Path, target: Target) -> Result<()> {
     if !folder.is_dir() {
         std::fs::create_dir(folder)
-            .map_err(|e| Error::io(folder, format!("the folder cannot be made: {e}")))?;
+            .map_err(|e| Error::io(folder, format!("the folder cannot be created: {e}")))?;
     }
     files::check_target(&folder.join(target.head()))
 }
 
 impl Job<'_> {
-    /// Writes a file of the folder; `holds` says what is in it.
+    /// Writes a file in the folder; `holds` describes its content.
     fn file<F>(&mut self, name: &str, holds: String, write: F) -> Result<()>
     where
         F: FnOnce(&Self, &mut dyn Write) -> io::Result<()>,
@@ -144,20 +145,21 @@ impl Job<'_> {
         self.wrote(path, holds)
     }
 
+    /// Records a file that was written.
     fn wrote(&mut self, path: PathBuf, holds: String) -> Result<()> {
         let bytes = std::fs::metadata(&path).map_err(|e| Error::io(&path, e))?.len();
         self.written.push(Written { path, bytes, holds });
         Ok(())
     }
 
-    /// The skin as OBJ.
+    /// Writes the skin as OBJ.
     fn obj(&mut self, name: &str) -> Result<()> {
         let path = self.folder.join(name);
         mesh::write_obj(&self.world.skin, &path)?;
         self.wrote(path, self.skin_holds())
     }
 
-    /// The skin in words.
+    /// Description of the skin.
     fn skin_holds(&self) -> String {
         format!("{} triangles", self.world.skin.triangles.len())
     }
@@ -171,7 +173,7 @@ impl Job<'_> {
     }
 }
 
-/// Reflectance of the skin: one value, or one a vertex where a map or the vertex colours change it.
+/// Reflectance of the skin, linear RGB: one value, or one per vertex if it comes from a map or from vertex colours.
 pub fn skin_colors(world: &World) -> Vec<Vec3> {
     let (skin, color) = (&world.skin, &world.scene.base.color);
     let map = match color {

@@ -1,4 +1,4 @@
-//! Hair scattering in the numbers that other renderers' model of Chiang et al. 2016 takes.
+//! Hair scattering by the parameters of the model of Chiang et al. 2016, which other renderers have.
 
 pub use pelage_fur::fibre::DARKEST;
 
@@ -9,10 +9,10 @@ use pelage_fur::Layer;
 use pelage_fur::fibre::Absorption;
 use std::f32::consts::PI;
 
-/// A hair of Chiang's model.
+/// Parameters of a hair in Chiang's model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HairMaterial {
-    /// Absorption along a path of one hair radius, linear RGB.
+    /// Absorption along a path of one hair radius, for linear RGB.
     pub absorption: Vec3,
     /// Longitudinal roughness, 0..1.
     pub beta_m: f32,
@@ -20,18 +20,18 @@ pub struct HairMaterial {
     pub beta_n: f32,
     /// Tilt of the cuticle scales, degrees.
     pub alpha_degrees: f32,
-    /// Refractive index against air.
+    /// Refractive index, relative to air.
     pub ior: f32,
 }
 
-/// What the hairs of a layer share.
+/// Material of a layer's hairs.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LayerMaterial {
-    /// The material of a hair; its absorption holds where `colored` is false.
+    /// Parameters of all hairs; the absorption applies only if `colored` is false.
     pub hair: HairMaterial,
-    /// Absorption follows from each hair's colour.
+    /// Whether absorption follows from each hair's colour.
     pub colored: bool,
-    /// Why this is not the scene's own model, if it is not.
+    /// How it differs from the scene's own model, if it does.
     pub approximates: Option<String>,
 }
 
@@ -42,13 +42,13 @@ impl LayerMaterial {
     }
 }
 
-/// The denominator of Chiang's fit for the azimuthal roughness `beta_n`.
+/// The denominator of Chiang's fit of absorption to colour, for the azimuthal roughness `beta_n`.
 // [Chiang2016] eq. 9
 pub fn fit(beta_n: f32) -> f32 {
     Absorption::divisor(beta_n)
 }
 
-/// Absorption along a radius for which a pelt of such hairs has about the colour `color`, linear RGB; from [`DARKEST`] to 1.
+/// Absorption along a radius with which a mass of such hairs has about the colour `color`, linear RGB, clamped to [`DARKEST`]..1.
 // [Chiang2016] eq. 9
 pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     Absorption::by_color(beta_n).of(color)
@@ -66,7 +66,7 @@ pub fn logistic_scale(beta_n: f32) -> f32 {
     (PI / 8.0).sqrt() * (0.265 * beta_n + 1.194 * beta_n * beta_n + 5.372 * beta_n.powi(22))
 }
 
-/// The number in 0..1 at which the growing function `f` has the value `wanted`, within its range.
+/// Inverse of the increasing function `f` on 0..1, by bisection.
 fn inverse(f: impl Fn(f32) -> f32, wanted: f32) -> f32 {
     let (mut low, mut high) = (0.0, 1.0);
     for _ in 0..30 {
@@ -76,7 +76,7 @@ fn inverse(f: impl Fn(f32) -> f32, wanted: f32) -> f32 {
     0.5 * (low + high)
 }
 
-/// The longitudinal roughness whose reflection is `sigma` radians wide.
+/// The longitudinal roughness whose reflection has the standard deviation `sigma`, radians.
 pub fn beta_m_of(sigma: f32) -> f32 {
     inverse(variance, sigma * sigma)
 }
@@ -113,7 +113,7 @@ pub fn of(scene: &Scene, layer: Layer) -> LayerMaterial {
             if diffuse > 0.0 {
                 lost.push(format!("a diffuse part of {diffuse}"));
             }
-            // The reflection is shifted by twice the tilt, towards the root.
+            // The lobe R is shifted by twice the tilt, towards the root.
             let hair = HairMaterial { absorption: Vec3::ZERO, ..chiang(roughness, -0.5 * spec.shift[0]) };
             let lost = format!(
                 "by Sadeghi et al. 2010 in the scene, by Chiang et al. 2016 here: roughness and tilt follow from the widths of R and TT \

@@ -1,6 +1,6 @@
 //! Mitsuba 3: an XML scene, curves as text, absorption as PFM, the skin as PLY.
 //!
-//! Curve coordinates: v runs over all segments of a shape, so that a texture of one column gives every segment its own absorption.
+//! The coordinate v of curves runs over all segments of a shape, so a texture of one column gives every segment its own absorption.
 
 use super::curves::{self, Segment};
 use super::sky::{self, Sky};
@@ -11,10 +11,10 @@ use pelage_fur::Layer;
 use pelage_pathtrace::strands::Strands;
 use std::io::{self, Write};
 
-/// Texels of an absorption column: about the largest texture that GPUs take.
+/// Largest height of an absorption texture: about that of the largest textures on GPUs.
 const MOST_TEXELS: usize = 1 << 15;
 
-/// A curve file and the file of its absorption, if it has one.
+/// A file of curves and the file of their absorptions, if there is one.
 struct Part {
     curves: String,
     absorption: Option<String>,
@@ -46,7 +46,7 @@ pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     job.file("scene.xml", String::new(), |job, out| xml(job, &notes, &layers, out))
 }
 
-/// Guard hairs change their colour over few segments; the undercoat's are many and short.
+/// Absorptions per segment: guard hairs change colour over few segments, the undercoat's segments are many and short.
 fn texels_a_segment(layer: Layer) -> usize {
     match layer {
         Layer::Guard => 4,
@@ -54,7 +54,7 @@ fn texels_a_segment(layer: Layer) -> usize {
     }
 }
 
-/// Writes the curves of a layer in parts whose absorption fits a texture.
+/// Writes the curves of a layer in parts whose absorptions fit into a texture.
 fn layer(job: &mut Job<'_>, strands: &Strands) -> Result<Vec<Part>> {
     let name = curves::name(strands.layer);
     let material = material::of(&job.world.scene, strands.layer);
@@ -94,7 +94,7 @@ fn layer(job: &mut Job<'_>, strands: &Strands) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// A segment as a uniform cubic B-spline: equally spaced control points on a line make it linear in between.
+/// A segment as a uniform cubic B-spline, which is linear because its control points are equally spaced on a line.
 fn curve(segment: &Segment, out: &mut dyn Write) -> io::Result<()> {
     let [a, b] = segment.ends;
     for p in [2.0 * a - b, a, b, 2.0 * b - a] {
@@ -103,7 +103,7 @@ fn curve(segment: &Segment, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out)
 }
 
-/// A column of texels, the first on top. The format begins with the bottom row.
+/// Writes a column of texels, the first on top, as PFM, whose rows begin at the bottom.
 fn pfm(column: &[[f32; 3]], out: &mut dyn Write) -> io::Result<()> {
     write!(out, "PF\n1 {}\n-1.0\n", column.len())?;
     let floats = column.iter().rev().flatten();
@@ -130,7 +130,7 @@ fn xml(
     )?;
     let seen = job.sky.is_some() && job.world.scene.film.background == Background::Environment;
     writeln!(out, "  <integrator type=\"path\">\n    <integer name=\"max_depth\" value=\"$max_depth\"/>")?;
-    // Roulette would add noise to dark hair.
+    // Russian roulette would add noise to dark hair.
     writeln!(out, "    <integer name=\"rr_depth\" value=\"1000\"/>")?;
     writeln!(out, "    <boolean name=\"hide_emitters\" value=\"{}\"/>\n  </integrator>", !seen)?;
     sensor(job, out)?;
@@ -147,7 +147,7 @@ fn xml(
         }
         Some(Sky::Map { rotate, .. }) => {
             writeln!(out, "  <emitter type=\"envmap\">\n    <string name=\"filename\" value=\"sky.exr\"/>")?;
-            // Mitsuba's map begins at -z, where this program's has its centre.
+            // Mitsuba's map has its left edge at -z, where this program's has its centre.
             writeln!(out, "    <transform name=\"to_world\">")?;
             writeln!(
                 out,
@@ -190,7 +190,7 @@ fn sensor(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "    <float name=\"aperture_radius\" value=\"{}\"/>", 0.5 * aperture)?;
         writeln!(out, "    <float name=\"focus_distance\" value=\"{focus}\"/>")?;
     }
-    // The sensor's x axis points to the left of the picture.
+    // The sensor's x axis points to the left of the image.
     let [l, u, f, e] = [-v.right, v.up, v.forward, v.eye].map(|v| v.to_array());
     let row = |i: usize| format!("{} {} {} {}", l[i], u[i], f[i], e[i]);
     writeln!(out, "    <transform name=\"to_world\">")?;

@@ -1,4 +1,4 @@
-//! pbrt-v4: a scene file, a file of curves a layer, the skin as PLY, the sky as a square map.
+//! pbrt-v4: a scene file, one file of curves per layer, the skin as PLY, the sky as a square map.
 
 use super::curves;
 use super::sky::{self, Sky};
@@ -10,14 +10,14 @@ use pelage_pathtrace::strands::Strands;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// Most materials of a layer: pbrt's curves carry no colours of their own.
+/// Largest number of materials of a layer: pbrt's curves carry no colours, so each colour is a material.
 const MOST_BINS: usize = 256;
 
-/// Colours of a layer's segments, gathered.
+/// Colours of a layer's segments, quantised.
 struct Bins {
-    /// Steps a channel.
+    /// Steps per channel.
     levels: f32,
-    /// Number of a bin by its cell; `colors` in the same order.
+    /// Index of each cell in `colors`.
     numbers: BTreeMap<[u8; 3], usize>,
     /// Mean colours, linear RGB.
     colors: Vec<Vec3>,
@@ -26,11 +26,11 @@ struct Bins {
 }
 
 impl Bins {
-    /// The finest cells that make at most [`MOST_BINS`].
+    /// The finest quantisation with at most [`MOST_BINS`] colours.
     fn of(strands: &Strands) -> Self {
         let colors =
             || curves::segments(strands).map(|s| curves::color(strands, s.hair, s.number as f32 + 0.5));
-        // Colours that are few anyway are told apart exactly.
+        // The finest step separates colours exactly if there are only a few.
         let mut levels = 255.0;
         loop {
             let mut sums: BTreeMap<[u8; 3], (glam::DVec3, u64)> = BTreeMap::new();
@@ -59,7 +59,7 @@ impl Bins {
     }
 }
 
-/// Cells are even in the square root, as the eye is and as absorption is.
+/// The cell of a colour. Cells are evenly spaced in the square root, which suits both perception and absorption.
 fn cell(color: Vec3, levels: f32) -> [u8; 3] {
     color.to_array().map(|c| (c.max(0.0).sqrt() * levels).round() as u8)
 }
@@ -129,7 +129,7 @@ fn scene(job: &Job<'_>, notes: &[String], layers: &[String], out: &mut dyn Write
     for note in notes {
         writeln!(out, "# Differs: {}", note.replace('\n', " "))?;
     }
-    // pbrt's camera space is left-handed: unmirrored, the picture would be.
+    // pbrt's camera space is left-handed: without this the image would be mirrored.
     writeln!(out, "\nScale -1 1 1")?;
     let (e, t, u) = (v.eye, v.eye + v.forward, v.up);
     writeln!(out, "LookAt {} {} {}  {} {} {}  {} {} {}", e.x, e.y, e.z, t.x, t.y, t.z, u.x, u.y, u.z)?;

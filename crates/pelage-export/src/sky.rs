@@ -1,4 +1,4 @@
-//! The environment as other renderers take it.
+//! The environment, in the forms that other renderers take.
 
 use exr::prelude::{Image, SpecificChannels, WritableImage};
 use glam::{DVec3, Vec2, Vec3};
@@ -9,12 +9,12 @@ use pelage_core::{Result, files};
 use std::f32::consts::FRAC_PI_4;
 use std::path::Path;
 
-/// Radiance that comes from far away.
+/// Radiance from infinitely far away.
 #[derive(Debug, Clone)]
 pub enum Sky {
     /// The same from everywhere, linear RGB.
     Uniform(Vec3),
-    /// An equirectangular map, with the scene's factors in it.
+    /// An equirectangular map, multiplied by the scene's factors.
     Map {
         /// The map.
         panorama: Panorama,
@@ -24,7 +24,7 @@ pub enum Sky {
 }
 
 impl Sky {
-    /// Reads what `spec` names.
+    /// Loads the environment of `spec`.
     ///
     /// # Errors
     /// As [`Panorama::load`].
@@ -44,7 +44,7 @@ impl Sky {
 /// Writes linear RGB as EXR with 32-bit floats; `texel` gives column and row from the top.
 ///
 /// # Errors
-/// [`pelage_core::Error::Io`].
+/// [`pelage_core::Error::Io`] if it cannot be written.
 pub(super) fn write_exr(
     path: &Path,
     width: usize,
@@ -61,7 +61,7 @@ pub(super) fn write_exr(
     })
 }
 
-/// The direction (world) of a point of pbrt's square environment map; columns along x, rows along y from the top, 0..1.
+/// The direction (world space, unit) of a point of pbrt's square environment map: x along columns, y along rows from the top, 0..1.
 // [Clarberg2008] sec. 2
 pub fn square_to_sphere(p: Vec2) -> Vec3 {
     let q = 2.0 * p - Vec2::ONE;
@@ -74,7 +74,7 @@ pub fn square_to_sphere(p: Vec2) -> Vec3 {
     Vec3::new(phi.cos().copysign(q.x) * across, phi.sin().copysign(q.y) * across, z)
 }
 
-/// The panorama in pbrt's square form of `side` x `side` texels, turned as the scene says: texels are means of 4 x 4 lookups.
+/// The panorama, rotated by `rotate` degrees, as pbrt's square map of `side` x `side` texels. Each texel is the mean of 4 x 4 lookups.
 pub(super) fn squared(
     panorama: &Panorama,
     rotate: f32,
@@ -93,7 +93,7 @@ pub(super) fn squared(
     }
 }
 
-/// A side that keeps about as many texels as the panorama has.
+/// Side of a square map that has about as many texels as the panorama.
 pub(super) fn side(panorama: &Panorama) -> usize {
     let texels = (panorama.width * panorama.height) as f64;
     (texels.sqrt().ceil() as usize).clamp(16, 4096)

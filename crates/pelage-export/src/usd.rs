@@ -1,4 +1,4 @@
-//! OpenUSD in text form: everything in one scene.usda but the sky's map.
+//! OpenUSD in text form: everything but the sky's map in one file, scene.usda.
 
 use super::sky::{self, Sky};
 use super::{Job, curves, hair, skin_colors};
@@ -68,7 +68,7 @@ fn camera(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n")
 }
 
-/// A light that shines along its -z axis. Of angle 0 and normalised, its intensity is an irradiance.
+/// A distant light, which emits along its -z axis. With the angle 0 and normalised, its intensity is an irradiance.
 fn distant(number: usize, light: &Light, out: &mut dyn Write) -> io::Result<()> {
     let z = light.direction;
     let x = z.any_orthonormal_vector();
@@ -92,7 +92,7 @@ fn dome(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
         Sky::Map { rotate, .. } => {
             writeln!(out, "        asset inputs:texture:file = @./sky.exr@")?;
             writeln!(out, "        token inputs:texture:format = \"latlong\"")?;
-            // The centre of a dome's map is at +z, that of this program's at -z.
+            // A dome's map has its centre at +z, this program's at -z.
             writeln!(out, "        float xformOp:rotateY = {}", rotate + 180.0)?;
             writeln!(out, "        uniform token[] xformOpOrder = [\"xformOp:rotateY\"]")?;
         }
@@ -100,7 +100,7 @@ fn dome(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "    }}\n")
 }
 
-/// Writes `values` as an array, a few of them a line.
+/// Writes `values` as an array, with a few of them in each line.
 fn array<T>(
     out: &mut dyn Write,
     declaration: &str,

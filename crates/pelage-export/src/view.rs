@@ -1,4 +1,4 @@
-//! The camera as other renderers take it.
+//! The camera, in the quantities that other renderers take.
 
 use glam::{Vec2, Vec3};
 use pelage_core::Scene;
@@ -8,34 +8,34 @@ use pelage_fur::camera;
 /// Camera and film of a scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// cm.
+    /// Position, cm.
     pub eye: Vec3,
-    /// Unit; to the right in the picture.
+    /// Unit vector to the right in the image.
     pub right: Vec3,
-    /// Unit; upwards in the picture.
+    /// Unit vector upwards in the image.
     pub up: Vec3,
-    /// Unit; into the picture.
+    /// Unit viewing direction.
     pub forward: Vec3,
     /// Tangent of half the vertical field of view.
     pub tan_y: f32,
     /// Vertical field of view, degrees.
     pub fov: f32,
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
-    /// cm.
+    /// Distance of the near plane, cm.
     pub near: f32,
-    /// Diameter of the aperture and distance in focus, cm.
+    /// Diameter of the aperture and focus distance, cm.
     pub lens: Option<[f32; 2]>,
-    /// The lens blurs the finished picture instead of the rays.
+    /// Whether the scene's depth of field is a post-process.
     pub post: bool,
     /// Reconstruction filter and its radius, pixels.
     pub filter: (Filter, f32),
-    /// Samples a pixel.
+    /// Samples per pixel.
     pub spp: u32,
 }
 
 impl View {
-    /// The view of `scene`; the basis is that of [`camera::frame`].
+    /// The view of `scene`; its axes are those of [`camera::frame`].
     pub fn of(scene: &Scene) -> Self {
         let (camera, film) = (&scene.camera, &scene.film);
         let size = [film.width, film.height];

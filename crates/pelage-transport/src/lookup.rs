@@ -17,7 +17,7 @@ fn albedo_place(albedo: f32) -> (usize, f32) {
     place(albedo_fraction(albedo), ALBEDOS)
 }
 
-/// Entry of a table `[albedo][sine or cosine]`, at index `at` or a `part` of the way to the next.
+/// Entry of a table `[albedo][sine or cosine]`, interpolated between index `at` and the next, whose weight is `part`.
 fn entry(table: &[[f32; 4]], albedo: f32, (at, part): (usize, f32)) -> Vec4 {
     let (darker, a_part) = albedo_place(albedo);
     let of = |a: usize, i: usize| Vec4::from(table[a * COSINES + i]);

@@ -1,47 +1,52 @@
 //! Radiative transfer in a plane-parallel coat by the adding method.
 //!
 //! **Model.** A coat is a stack of layers, each of one mixture of hairs, on a Lambertian skin. It is lit by directional lights of
-//! irradiance 1. Radiance is scattered radiance: the attenuated beams themselves are kept apart, and what hairs and skin scatter
-//! from them is the source. Radiance I depends on the depth z and the direction; azimuth is averaged out. With the cosine μ,
-//! the extinction σ and the scattering kernel K of the hairs, and the source s that the beams leave,
+//! irradiance 1. The beams of the lights are followed apart, attenuated only; I is the radiance that was scattered at least once, by hairs or
+//! by the skin. It depends on the depth z, which grows downwards, and on the inclination; azimuth is averaged out. With the cosine μ > 0
+//! between the direction and the normal's line, the extinction σ and the scattering kernel K of the hairs, and the emission s of light
+//! scattered from the beams,
 //!
 //! ```text
-//! ±μ dI/dz = -σ I + K I + s
+//! μ dI/dz = -σ I + K I + s   for light that goes down,   -μ dI/dz = -σ I + K I + s   for light that goes up.
 //! ```
 //!
 //! **Streams.** Directions are the 48 [bins](crate::bins). The solver orders them as *streams*: 0..24 go up, 24..48 go down,
-//! each half from grazing to steep. A bin names where light leaves to for an emitter, and where it arrives from for a receiver; so
-//! one stream has two bins, `leaving_bin` and `arriving_bin`.
+//! each half from grazing to steep. Emitted light is binned by where it goes to, arriving light by where it comes from. So a stream
+//! has two bins, `leaving_bin` and `arriving_bin`.
 //!
-//! **One layer.** The emission K I + s of a layer is taken as constant in it. Along a stream of optical thickness x the mean
-//! radiance in the layer is then
-//!
-//! ```text
-//! I = H in + G (K I + s),    H = (1 - exp(-x)) / x,    G = (1 - H) / σ    (diagonal matrices)
-//! ```
-//!
-//! for the radiance `in` that enters. So (1 - G K) I = H in + G s. The inverse of 1 - G K = 1 + G K + (G K)² + ... is the sum of
-//! all orders of scattering within the layer. What leaves is the radiance that was not met by hairs and the emission along the stream:
-//! four blocks of transmission and reflection operators, upwards and downwards, and two source vectors.
-//!
-//! **Adding, from the skin upwards.** What lies under a boundary is known by its reflection P and its emission q: it sends
-//! u = P d + q upwards for the radiance d that falls on it. A layer on top of it, with transmissions T, reflections R and sources s
-//! (↓ marks what leaves downwards, ↑ what leaves upwards; so R↓ sends light from below down again) gives
+//! **One layer.** The emission K I + s is taken as constant within a layer (in neutron transport: step characteristics). The mean
+//! radiance along a stream of optical thickness x is then
 //!
 //! ```text
-//! d = T↓ d' + R↓ u + s↓,   u = P d + q   ⟹   u = (1 - P R↓)⁻¹ (P (T↓ d' + s↓) + q)
+//! I = H in + G (K I + s),    H = (1 - exp(-x)) / x,    G = (1 - H) / σ,    H and G diagonal,
 //! ```
 //!
-//! for the radiance d' that falls on the layer. The inverse sums all reflections to and fro between the layer and what lies below. The
-//! pair for the boundary above follows: P' = R↑ + T↑ (1 - P R↓)⁻¹ P T↓, q' = s↑ + T↑ (1 - P R↓)⁻¹ (P s↓ + q).
+//! where `in` is the radiance that enters. So (1 - G K) I = H in + G s. This system is solved for each layer, because
+//! (1 - G K)⁻¹ = 1 + G K + (G K)² + ... is the sum over all orders of scattering within the layer. What leaves the layer is the radiance that
+//! met no hair, and the emission along the stream. As a map from entering to leaving streams, that is a block of transmission T and one of
+//! reflection R for light that leaves upwards (T↑, R↑) and downwards (T↓, R↓), with source vectors s↑ and s↓.
 //!
-//! **Back substitution, from the top downwards.** No scattered light falls on the coat from outside: d = 0 at the top. The equations
-//! above, whose inverses are kept, give u and d at each boundary in turn. No order of scattering is cut off.
+//! **Adding, from the skin upwards.** All that lies below a boundary is known by its reflection P and its emission q: for the radiance d that
+//! falls on it, it sends u = P d + q upwards. At first, that is the skin. A layer is put on top, on which the radiance d' falls:
 //!
-//! **Convergence.** All entries of K, P, R and T are at least 0. For such a matrix A the Neumann series 1 + A + A² + ... converges if and
-//! only if 1 - A is a nonsingular M-matrix, that is, if its inverse exists and has no negative entry. Where a model sends out more light
-//! than it receives and the coat is deep, light may grow without bound: the linear system still has a solution, but a
-//! meaningless one with negative entries.
+//! ```text
+//! d = T↓ d' + R↓ u + s↓   and   u = P d + q,   so   u = (1 - P R↓)⁻¹ (P (T↓ d' + s↓) + q)
+//! ```
+//!
+//! at the boundary between the two. The inverse is the sum over all reflections to and fro. What lies below the layer's upper boundary sends
+//! R↑ d' + T↑ u + s↑ upwards, so its reflection and emission are
+//!
+//! ```text
+//! P' = R↑ + T↑ (1 - P R↓)⁻¹ P T↓,    q' = s↑ + T↑ (1 - P R↓)⁻¹ (P s↓ + q).
+//! ```
+//!
+//! **Back substitution, from the top downwards.** No scattered light falls on the coat from outside, so d = 0 at the top. The equations
+//! above, whose inverses are kept, then give u and d at each boundary in turn. No order of scattering is cut off.
+//!
+//! **Convergence.** G K and P R↓ have no negative entries. For such a matrix A the Neumann series 1 + A + A² + ... converges if and only if
+//! 1 - A is a nonsingular M-matrix, that is, if its inverse exists and has no negative entry. If a model scatters more light than it
+//! receives, light in a deep coat may grow without bound. The linear system then still has a solution, but not one that is the sum of a
+//! series: the inverse has negative entries. This is how such coats are recognised.
 // [GrantHunt1969] adding and back substitution; [BermanPlemmons1994] ch. 6, nonsingular M-matrices
 
 use crate::bins::{BINS, HALF, centre, interpolate, neighbours, widths};

@@ -1,4 +1,4 @@
-//! What is seen behind the fur.
+//! The background behind the fur.
 
 use super::{Film, io, resample};
 use crate::assets::Assets;
@@ -8,22 +8,21 @@ use crate::{Error, Result, Scene};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-/// A premultiplied pixel `front` over a premultiplied pixel `back`; both `[r g b a]`. The one function that blends
-/// two pictures.
+/// A premultiplied pixel `front` over a premultiplied pixel `back`, both `[r g b a]`. All images are blended by this function.
 // [PorterDuff1984] over
 pub fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
     let through = 1.0 - front[3];
     std::array::from_fn(|c| front[c] + through * back[c])
 }
 
-/// A background, loaded: do this before rendering, so that a missing file is found early.
+/// A background with its files loaded. Load it before rendering, so that a missing file is reported early.
 #[derive(Debug, Clone)]
 pub enum Backdrop {
-    /// Nothing: alpha stays.
+    /// None; alpha is kept.
     Transparent,
     /// A colour, linear RGB.
     Color([f32; 3]),
-    /// Premultiplied pixels of a plate, width and height.
+    /// Premultiplied pixels of a plate, and its width and height.
     Plate(Vec<[f32; 4]>, [usize; 2]),
     /// An environment map as the camera sees it.
     Environment {
@@ -33,17 +32,17 @@ pub enum Backdrop {
         map_from_world: Quat,
         /// Factor on the radiance: intensity times tint.
         factor: Vec3,
-        /// Whose view it is.
+        /// The camera.
         camera: Camera,
     },
 }
 
 impl Backdrop {
-    /// Loads what `scene.film.background` asks for.
+    /// Loads the background of `scene.film.background`.
     ///
     /// # Errors
     /// [`Error::Scene`] if a plate or map is missing or damaged, if the background is `environment` but the scene has
-    /// none or has `environment.visible = false`, or if the camera looks nowhere.
+    /// none or has `environment.visible = false`, or if the camera has no valid view.
     pub fn load(scene: &Scene, assets: &Assets) -> Result<Self> {
         match scene.film.background {
             Background::Transparent => Ok(Self::Transparent),
@@ -52,7 +51,7 @@ impl Backdrop {
                 if scene.film.plate.is_empty() {
                     return Err(Error::fault(
                         "film.plate",
-                        "is empty, but film.background is \"plate\": give the name of a PNG, HDR or EXR file",
+                        "found no name, expected a PNG, HDR or EXR file because film.background is \"plate\"",
                     ));
                 }
                 let path = assets.find(&scene.film.plate)?;
@@ -60,7 +59,12 @@ impl Backdrop {
                 let pixels = film.premultiplied()?;
                 if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
                     let (x, y) = (i % film.width as usize, i / film.width as usize);
-                    return Err(Error::fault(&path, format!("pixel {x}, {y} is not a finite number")));
+                    return Err(Error::fault(
+                        &path,
+                        format!(
+                            "found a pixel at {x}, {y} that is not a finite number, expected finite values"
+                        ),
+                    ));
                 }
                 Ok(Self::Plate(pixels, [film.width as usize, film.height as usize]))
             }
@@ -68,13 +72,13 @@ impl Backdrop {
                 let Some(environment) = &scene.environment else {
                     return Err(Error::fault(
                         "film.background",
-                        "is \"environment\", but the scene has no [environment]: add one or choose another background",
+                        "found \"environment\" in a scene without [environment]: add one or choose another background",
                     ));
                 };
                 if !environment.visible {
                     return Err(Error::fault(
                         "environment.visible",
-                        "is false, but film.background is \"environment\": set it to true or choose another background",
+                        "found false, expected true because film.background is \"environment\": set it or choose another background",
                     ));
                 }
                 view_of(&scene.camera)?;
@@ -95,7 +99,7 @@ impl Backdrop {
     /// The background as premultiplied pixels of a film of `width` x `height`; `None` if it is transparent.
     ///
     /// # Errors
-    /// [`Error::Scene`] if the camera looks nowhere.
+    /// [`Error::Scene`] if the camera has no valid view.
     pub fn pixels(&self, width: u32, height: u32) -> Result<Option<Vec<[f32; 4]>>> {
         let (w, h) = (width as usize, height as usize);
         Ok(match self {
@@ -107,7 +111,7 @@ impl Backdrop {
                 let Some(panorama) = panorama else {
                     return Ok(Some(vec![[factor.x, factor.y, factor.z, 1.0]; w * h]));
                 };
-                // As many looks at the map along a pixel's side as it has texels there, at most 8.
+                // As many lookups along a pixel's side as it covers texels of the map, at most 8.
                 let pixel = 2.0 * view.half_height / height as f32;
                 let texel = std::f32::consts::PI / panorama.height as f32;
                 let n = (pixel / texel).ceil().clamp(1.0, 8.0) as usize;
@@ -125,9 +129,9 @@ impl Backdrop {
         })
     }
 
-    /// Puts the film over the background: `R G B A` change, alpha becomes 1 under an opaque background.
+    /// Composites the film over the background: `R G B A` change, and alpha becomes 1 with an opaque background.
     ///
-    /// Where the film has contribution planes (`base.R` ...), `background.R G B` is added, so that they still add up
+    /// If the film has contribution planes (`base.R` ...), planes `background.R G B` are added, so that they still add up
     /// to `R G B`.
     ///
     /// # Errors
@@ -150,10 +154,10 @@ impl Backdrop {
     }
 }
 
-/// [`Backdrop::load`] and [`Backdrop::under`] in one.
+/// [`Backdrop::load`], then [`Backdrop::under`].
 ///
 /// # Errors
-/// As those two.
+/// As these two.
 pub fn over_background(film: &mut Film, scene: &Scene, assets: &Assets) -> Result<()> {
     Backdrop::load(scene, assets)?.under(film)
 }
@@ -189,7 +193,7 @@ fn view_of(camera: &Camera) -> Result<View> {
         }),
         _ => Err(Error::fault(
             "camera",
-            "looks nowhere: eye and target must differ, up must not point along the view, fov must be in 0..180",
+            "found a camera without a valid view, expected eye and target to differ, up not along the view, and fov in 0..180",
         )),
     }
 }

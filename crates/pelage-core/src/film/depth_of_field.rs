@@ -1,13 +1,13 @@
-//! Depth of field as a post-process: the CPU twin.
+//! Depth of field as a post-process.
 //!
-//! Every pixel is a disc of its circle of confusion. A pixel gathers its neighbours in three classes by their signed
+//! Every pixel becomes a disc, its circle of confusion. A pixel gathers its neighbours in three classes by their signed
 //! circle of confusion, which grows with depth:
 //!
 //! * **front** (nearer by more than a pixel of blur): counts where its own disc covers the pixel. Out-of-focus things
-//!   in front bleed over what is sharp.
+//!   in front bleed over sharp ones.
 //! * **same** (within a pixel of blur): counts where its own disc covers the pixel.
-//! * **behind**: fills what the `same` class leaves open, as far as the pixel's own disc reaches. A sharp pixel has no
-//!   such reach, so that nothing behind bleeds over it.
+//! * **behind**: fills what the `same` class leaves uncovered, as far as the pixel's own disc reaches. The disc of a sharp pixel
+//!   reaches no neighbour, so that nothing behind bleeds over it.
 //!
 //! With F, S and the coverages f, s the sums of front and same (each neighbour weighted by 1 / area of its disc) and
 //! B the mean of behind: `F + (1 - f) (S + (1 - s) B)`. Coverages above 1 are scaled to 1; where nothing lies behind,
@@ -19,10 +19,10 @@ use crate::{Error, Result};
 use glam::Vec3;
 use rayon::prelude::*;
 
-/// Largest radius of a disc, pixels; larger ones are cut to it.
+/// Largest radius of a disc, pixels; larger ones are reduced to it.
 pub const MAX_RADIUS: f32 = 64.0;
 
-/// Radii are rounded to this many parts of a pixel, so that the discs' areas can be tabulated.
+/// Steps of the radius per pixel: radii are rounded, so that the discs' areas can be tabulated.
 const PARTS: f32 = 16.0;
 
 /// Edge of the blocks that share a search radius, pixels.
@@ -43,7 +43,7 @@ pub fn circle_of_confusion(aperture: f32, focus: f32, focal_pixels: f32, z: f32)
 /// result does not depend on their number.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera make no sense.
+/// [`Error::Unsupported`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera are out of range.
 pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     let Some(lens) = camera.lens.as_ref().filter(|lens| lens.method == LensMethod::Post) else {
         return Ok(());
@@ -54,7 +54,7 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
         return Err(Error::fault(
             "camera.lens",
             format!(
-                "aperture {} cm, focus {focus} cm: expected an aperture from 0 and a focus above 0",
+                "found aperture {} cm and focus {focus} cm, expected an aperture not below 0 and a focus above 0",
                 lens.aperture
             ),
         ));
@@ -62,14 +62,14 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     if !sensible(camera.fov) || camera.fov >= 180.0 {
         return Err(Error::fault(
             "camera.fov",
-            format!("is {}: expected more than 0, less than 180", camera.fov),
+            format!("found {}, expected more than 0 and less than 180", camera.fov),
         ));
     }
     film.validate()?;
     let focal_pixels = film.height as f32 / (2.0 * (camera.fov.to_radians() / 2.0).tan());
     let depth = film.plane("depth.Z").ok_or_else(|| {
         Error::Unsupported(
-            "depth of field as a post-process needs the plane depth.Z, which the film has not".into(),
+            "found no plane depth.Z in the film, which depth of field as a post-process needs: use camera.lens.method = \"samples\"".into(),
         )
     })?;
     let blur: Vec<f32> = depth
@@ -82,7 +82,7 @@ pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
 
     let colour = |name: &str| matches!(name.rsplit('.').next(), Some("R" | "G" | "B" | "A"));
     let chosen: Vec<usize> = (0..film.planes.len()).filter(|i| colour(&film.planes[*i].name)).collect();
-    // Four planes at a time: the neighbourhood's weights are computed once for them.
+    // Four planes at a time share the weights of their neighbourhood.
     for group in chosen.chunks(4) {
         let pixels: Vec<[f32; 4]> = (0..film.pixels())
             .map(|p| std::array::from_fn(|c| group.get(c).map_or(0.0, |plane| film.planes[*plane].data[p])))
@@ -100,7 +100,7 @@ fn radius_of(blur: f32) -> f32 {
     (blur.abs() * (0.5 * PARTS)).round() / PARTS
 }
 
-/// Part of a pixel at `distance` that a disc covers.
+/// Share of a pixel at `distance` that a disc covers.
 fn coverage(radius: f32, distance: f32) -> f32 {
     (radius + 0.5 - distance).clamp(0.0, 1.0)
 }
@@ -122,7 +122,7 @@ fn areas(largest: f32) -> Vec<f32> {
         .collect()
 }
 
-/// For each block of pixels, how far away a disc may lie that touches it.
+/// For each block of pixels, the largest distance of a disc that may touch it, pixels.
 fn search_radii(radii: &[f32], [width, height]: [usize; 2]) -> (Vec<f32>, usize) {
     let [columns, rows] = [width.div_ceil(BLOCK), height.div_ceil(BLOCK)];
     let mut largest = vec![0f32; columns * rows];
@@ -149,7 +149,7 @@ fn search_radii(radii: &[f32], [width, height]: [usize; 2]) -> (Vec<f32>, usize)
     ((0..columns * rows).map(reach).collect(), columns)
 }
 
-/// The three classes of the module's head, for four planes.
+/// The three classes of the module's documentation, for four planes.
 fn gather(pixels: &[[f32; 4]], blur: &[f32], [width, height]: [usize; 2]) -> Vec<[f32; 4]> {
     let radii: Vec<f32> = blur.iter().map(|b| radius_of(*b)).collect();
     let areas = areas(radii.iter().copied().fold(0.0, f32::max));

@@ -18,7 +18,7 @@ use std::{
     io::{BufReader, BufWriter, Read, Seek, SeekFrom, Write},
 };
 
-/// What a key is called in a file.
+/// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
 
 /// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film and `meta` alone.
@@ -44,7 +44,7 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
-        // Without an order the blocks stand in the file as the threads finish them.
+        // Without a line order, blocks would be written as threads finish them.
         line_order: LineOrder::Increasing,
     };
     let layer = Layer::new(
@@ -61,7 +61,7 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
 }
 
 fn text(s: &str) -> Text {
-    // The format does not name an encoding; UTF-8 is what its library and viewers use.
+    // The format specifies no encoding; its library and viewers use UTF-8.
     Text::from_slice_unchecked(s.as_bytes())
 }
 
@@ -70,7 +70,7 @@ fn half_of(value: f32) -> f16 {
     f16::from_f32(if value.is_finite() { value.clamp(-limit, limit) } else { value })
 }
 
-/// Puts the attributes of a single-part file in the order of their names: the exr crate keeps them in a hash map,
+/// Sorts the attributes of a single-part file by name: the exr crate keeps them in a hash map,
 /// whose order differs from run to run.
 fn sort_attributes(file: &mut File) -> Result<(), Failure> {
     // Magic number and version flags; then name, type, length and value of each attribute; then a zero byte.
@@ -147,7 +147,7 @@ pub(super) fn decode(input: &mut BufReader<File>, bytes: u64) -> Result<Film, Fa
 
 /// Checks everything that the header says before the pixels are allocated.
 fn check_headers(headers: &[Header], bytes: u64) -> Result<(), Failure> {
-    let first = headers.first().ok_or("the file has no header")?;
+    let first = headers.first().ok_or("found no header, expected an OpenEXR file")?;
     let channels: usize = headers.iter().map(|h| h.channels.list.len()).sum();
     let mut table = 0u64;
     for header in headers {
@@ -156,7 +156,7 @@ fn check_headers(headers: &[Header], bytes: u64) -> Result<(), Failure> {
         let display = header.shared_attributes.display_window;
         if display.size != header.layer_size || display.position != header.own_attributes.layer_position {
             return Err(format!(
-                "the data window ({width} x {height} at {x}, {y}) differs from the display window ({} x {} at {}, {}); \
+                "found a data window ({width} x {height} at {x}, {y}) that differs from the display window ({} x {} at {}, {}): \
                  save the image uncropped",
                 display.size.x(),
                 display.size.y(),
@@ -166,32 +166,36 @@ fn check_headers(headers: &[Header], bytes: u64) -> Result<(), Failure> {
             .into());
         }
         if header.layer_size != first.layer_size {
-            return Err("its parts differ in size; save them as separate files".into());
+            return Err("found parts of different sizes: save them as separate files".into());
         }
         if header.deep {
-            return Err("deep data is not supported; flatten the image".into());
+            return Err("found deep data, which is not supported: flatten the image".into());
         }
         if let Some(c) = header.channels.list.iter().find(|c| c.sampling != Vec2(1, 1)) {
-            return Err(format!("channel {} is subsampled, which is not supported", c.name).into());
+            return Err(format!(
+                "found the subsampled channel {}, which is not supported: save it at full resolution",
+                c.name
+            )
+            .into());
         }
         table = table.saturating_add((header.chunk_count as u64).saturating_mul(8));
     }
-    // A forged size shows itself: the table of block offsets alone would not fit the file.
+    // With a forged size, the table of block offsets alone would not fit into the file.
     if table > bytes {
         return Err(format!(
-            "the header promises blocks whose table takes {table} bytes, but the file has only {bytes}: it is truncated or damaged"
+            "found a header whose table of blocks takes {table} bytes in a file of {bytes} bytes: it is truncated or damaged"
         )
         .into());
     }
     Ok(())
 }
 
-/// Makes sure of `R G B A`, in front of the other planes.
+/// Ensures planes `R G B A`, in front of the other planes.
 fn complete(film: &mut Film) -> Result<(), Failure> {
     if ["R", "G", "B"].iter().any(|name| film.plane(name).is_none()) {
         let grey = film.planes.iter().position(|p| p.name == "Y").ok_or_else(|| {
             let found = film.planes.iter().map(|p| p.name.as_str()).collect::<Vec<_>>().join(", ");
-            format!("it has no channels R, G, B (nor Y); found: {found}")
+            format!("found the channels {found}, expected R, G, B or Y")
         })?;
         let grey = film.planes.remove(grey);
         film.planes.retain(|p| !["R", "G", "B"].contains(&p.name.as_str()));

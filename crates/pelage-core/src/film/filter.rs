@@ -1,7 +1,7 @@
 //! Reconstruction filters: how samples become pixels.
 //!
-//! All filters are separable, so that a pixel is gathered with one vector of weights, used along x and along y:
-//! `pixel = sum_j sum_i w[j] w[i] sample[j][i]`. The weights add up to one, hence no division follows.
+//! All filters are separable, so a pixel is gathered with one vector of weights, used along x and along y:
+//! `pixel = sum_j sum_i w[j] w[i] sample[j][i]`. The weights add up to one, so no division follows.
 
 use crate::scene::Filter;
 use crate::{Error, Result};
@@ -64,24 +64,24 @@ pub fn weight_1d(filter: Filter, radius: f64, x: f64) -> f64 {
     }
 }
 
-/// Weights along one axis for a grid of `k` samples a pixel and axis: `(margin, weights)`.
+/// Weights along one axis for a grid of `k` samples per pixel and axis: `(margin, weights)`.
 ///
 /// Sample `j` of a pixel (`0..k`) lies at `(j + 0.5) / k - 0.5` pixels from its centre. `margin` samples of the
-/// neighbours count on either side, so `weights` has `k + 2 margin` values and `weights[i]` belongs to sample
+/// neighbours count on each side, so `weights` has `k + 2 margin` values and `weights[i]` belongs to sample
 /// `i - margin`: in a film-wide row of samples, pixel `p` gathers `p k - margin .. (p + 1) k + margin`.
 ///
 /// The weights are symmetric multiples of 2^-22 that add up to exactly 1, in f32 and in any order of summation, so
-/// that a constant image stays constant to the last bit where no neighbour is missing.
+/// that a constant image stays exactly constant where no neighbour is missing.
 ///
 /// # Errors
 /// [`Error::Usage`] if `k` is not 1..=64 or `radius` (pixels) is not in (0, 16].
 pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f32>)> {
     if !(1..=64).contains(&k) {
-        return Err(Error::Usage(format!("{k} samples along a pixel's side: expected 1 to 64")));
+        return Err(Error::Usage(format!("found {k} samples along a pixel's side, expected 1 to 64")));
     }
     if !(radius > 0.0 && radius <= 16.0) {
         return Err(Error::Usage(format!(
-            "film.filter_radius = {radius}: expected more than 0, at most 16 pixels"
+            "found film.filter_radius = {radius}, expected more than 0 and at most 16 pixels"
         )));
     }
     let (radius, k_real) = (f64::from(radius), f64::from(k));
@@ -91,7 +91,7 @@ pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f
     let offset = |i: usize| (i as f64 - f64::from(margin) + 0.5) / k_real - 0.5;
     let mut raw: Vec<f64> = (0..count).map(|i| weight_1d(filter, radius, offset(i))).collect();
     if raw.iter().sum::<f64>() <= 0.0 {
-        // A radius so small that no sample falls under the filter: the innermost ones count.
+        // The radius is so small that no sample falls within it: the innermost ones count.
         raw.fill(0.0);
         raw[(count - 1) / 2] = 1.0;
         raw[count / 2] = 1.0;
@@ -99,12 +99,12 @@ pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f
     Ok((margin, normalised(&raw)))
 }
 
-/// Scales symmetric weights to integers that add up to 2^22, then to floats. None moves by more than two units.
+/// Scales symmetric weights to integers that add up to 2^22, then to floats. No weight changes by more than two units.
 fn normalised(raw: &[f64]) -> Vec<f32> {
     const ONE: i64 = 1 << 22;
     let (count, sum) = (raw.len(), raw.iter().sum::<f64>());
     let mut parts: Vec<i64> = raw.iter().map(|w| (w / sum * ONE as f64).round() as i64).collect();
-    // The rest is at most half a unit for each weight: one unit apiece from the middle outwards, in pairs.
+    // The remainder is at most half a unit per weight: it is distributed from the middle outwards, in pairs, one unit each.
     let mut rest = ONE - parts.iter().sum::<i64>();
     let unit = rest.signum();
     if rest % 2 != 0 {

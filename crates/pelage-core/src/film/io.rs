@@ -1,4 +1,4 @@
-//! Writing a film (atomically) and reading one back.
+//! Writes films (atomically) and reads them back.
 
 use super::{Film, Metadata, exr, png};
 use crate::files::{Failure, check_target, write_atomically, write_buffered};
@@ -31,7 +31,7 @@ impl Format {
         let extension = path.extension().unwrap_or_default().to_string_lossy().to_lowercase();
         known.iter().find(|(name, _)| *name == extension).map(|(_, format)| *format).ok_or_else(|| {
             let names = known.iter().map(|(name, _)| format!(".{name}")).collect::<Vec<_>>().join(", ");
-            format!("cannot {verb} an image with the extension \"{extension}\"; known: {names}")
+            format!("cannot {verb} an image with the extension \"{extension}\", expected {names}")
         })
     }
 
@@ -49,7 +49,7 @@ fn wrong_usage(path: &Path, message: &str) -> Error {
 }
 
 /// Writes `film` to `path`: all planes, linear, as EXR; or `R G B A` as 8-bit sRGB PNG through exposure and tone
-/// mapping of `spec`. The file appears complete or not at all; an old one stays where writing fails.
+/// mapping of `spec`. The file appears complete or not at all; an old one stays if writing fails.
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown extension, [`Error::Unsupported`] for a film with missing planes, [`Error::Io`] if the
@@ -67,8 +67,8 @@ pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSp
     }
 }
 
-/// Checks before a rendering that `path` can be written after it: known extension, existing folder, no folder or
-/// device or write-protected file of that name, room on the disk for a few blocks. Leaves nothing behind.
+/// Checks before a rendering that `path` can be written after it: its extension is known, and as [`crate::files::check_target`]. Leaves
+/// nothing behind.
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown extension, [`Error::Io`] for the rest.
@@ -105,7 +105,7 @@ fn read_format(path: &Path, format: Format) -> Result<Film> {
     })
 }
 
-/// [`read`] for what a scene names.
+/// [`read`] for an image that a scene names.
 ///
 /// # Errors
 /// [`Error::Scene`] where [`read`] fails.
@@ -124,8 +124,8 @@ fn as_scene_fault(error: Error) -> Error {
 /// Width, height and RGBA texels row by row from the top, with straight alpha.
 pub(crate) type Texels = (u32, u32, Vec<[f32; 4]>);
 
-/// Reads an image that a scene names as straight texels. Where it holds a `color`, a PNG is decoded from sRGB and
-/// premultiplied formats are divided by alpha; else the values are as the file has them, those of a PNG scaled to 0..1.
+/// Reads an image that a scene names, with straight alpha. As a `color`, a PNG is decoded from sRGB and premultiplied formats are divided
+/// by alpha; otherwise the values are as the file has them, those of a PNG scaled to 0..1.
 ///
 /// # Errors
 /// As [`read_asset`].
@@ -157,7 +157,7 @@ pub fn read_metadata(path: impl AsRef<Path>) -> Result<Metadata> {
     })
 }
 
-/// Opens `path` and runs a decoder on it. A panic inside a decoder (they read untrusted bytes) becomes an error.
+/// Opens `path` and runs a decoder on it. Decoders read untrusted bytes: a panic inside one becomes an error.
 fn decode<T>(
     path: &Path,
     decoder: impl FnOnce(&mut BufReader<File>, u64) -> Result<T, Failure>,
@@ -165,7 +165,7 @@ fn decode<T>(
     let file = File::open(path).map_err(|e| Error::io(path, format!("cannot be opened: {e}")))?;
     let meta = file.metadata().map_err(|e| Error::io(path, e))?;
     if !meta.is_file() {
-        return Err(Error::io(path, "is not a regular file"));
+        return Err(Error::io(path, "is not a regular file, expected an image"));
     }
     let mut input = BufReader::new(file);
     match catch_unwind(AssertUnwindSafe(|| decoder(&mut input, meta.len()))) {
@@ -175,25 +175,25 @@ fn decode<T>(
             let hint = if at_end { " (the file ends early: is it complete?)" } else { "" };
             Err(Error::io(path, format!("cannot be read as an image: {e}{hint}")))
         }
-        Err(_) => Err(Error::io(path, "cannot be read as an image: the decoder gave up on damaged data")),
+        Err(_) => Err(Error::io(path, "cannot be read as an image: the decoder failed on damaged data")),
     }
 }
 
-/// Refuses a header's size before anything of that size is allocated.
+/// Checks a header's size before anything of that size is allocated.
 pub(super) fn check_size(width: u64, height: u64, channels: u64) -> Result<(), Failure> {
     if width == 0 || height == 0 {
-        return Err(format!("the header says {width} x {height} pixels").into());
+        return Err(format!("found a header with {width} x {height} pixels, expected one or more").into());
     }
     let pixels = width.saturating_mul(height);
     if width > u64::from(u32::MAX) || height > u64::from(u32::MAX) || pixels > MAX_PIXELS {
         return Err(format!(
-            "the header says {width} x {height} pixels, more than the limit of {MAX_PIXELS} (16384 x 16384)"
+            "found a header with {width} x {height} pixels, expected at most the limit of {MAX_PIXELS} (16384 x 16384)"
         )
         .into());
     }
     if pixels.saturating_mul(channels) > MAX_VALUES {
         return Err(format!(
-            "the header says {width} x {height} pixels of {channels} channels, more than the limit of {MAX_VALUES} values"
+            "found a header with {width} x {height} pixels of {channels} channels, expected at most the limit of {MAX_VALUES} values"
         )
         .into());
     }

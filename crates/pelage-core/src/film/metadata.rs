@@ -1,12 +1,12 @@
-//! What a picture says about its making.
+//! Metadata of an image: how it was made.
 
 use crate::stats::Stats;
 use sha2::{Digest, Sha256};
 
 /// Entries that are written into EXR attributes and PNG text chunks, each under `pelage.KEY`.
 ///
-/// Keys are short ASCII words; values are UTF-8 text of any length. Times differ between runs: leave
-/// [`Metadata::with_stats`] out where the same bytes are wanted twice.
+/// Keys are short ASCII words; values are UTF-8 text of any length. Times differ between runs: for reproducible files, leave
+/// [`Metadata::with_stats`] out.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     /// Key and value, in order.
@@ -22,7 +22,7 @@ impl Metadata {
             .with("commit", option_env!("PELAGE_COMMIT").unwrap_or("unknown"))
     }
 
-    /// Sets an entry; an earlier one of the same key is replaced.
+    /// Sets an entry; an earlier one with the same key is replaced.
     pub fn with(mut self, key: &str, value: impl Into<String>) -> Self {
         self.entries.retain(|(k, _)| k != key);
         self.entries.push((key.to_owned(), value.into()));
@@ -36,7 +36,7 @@ impl Metadata {
         self.with("scene", text).with("scene_sha256", hash)
     }
 
-    /// `seed` of everything random.
+    /// `seed` of all random numbers.
     pub fn with_seed(self, seed: u32) -> Self {
         self.with("seed", seed.to_string())
     }
@@ -51,7 +51,7 @@ impl Metadata {
         let quoted = |(i, argument): (usize, S)| {
             let mut argument = argument.as_ref();
             if i == 0 {
-                // An image that is passed on need not tell where its maker keeps programs.
+                // An image that is shared should not reveal where the program is installed.
                 argument = argument.rsplit(['/', '\\']).next().unwrap_or_default();
             }
             if argument.is_empty() || argument.contains(char::is_whitespace) {
@@ -64,7 +64,7 @@ impl Metadata {
         self.with("command_line", words.join(" "))
     }
 
-    /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` a pass, `n/a` where the
+    /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` for each pass, `n/a` where the
     /// adapter has no timestamps.
     pub fn with_stats(self, stats: &Stats) -> Self {
         let passes = stats

@@ -15,10 +15,10 @@ use std::{
     io::{BufReader, Write},
 };
 
-/// What a key is called in a file.
+/// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
 
-/// Encodes premultiplied linear pixels: straight colour, exposure, tone mapping, sRGB; straight alpha, left out where
+/// Encodes premultiplied linear pixels: straight colour through exposure, tone mapping and sRGB, with straight alpha, which is left out if
 /// it is 1 everywhere.
 pub(super) fn encode(
     width: u32,
@@ -33,7 +33,7 @@ pub(super) fn encode(
     let mut bytes = vec![0u8; premultiplied.len() * channels];
     bytes.par_chunks_mut(channels).zip(premultiplied).for_each(|(to, &[r, g, b, a])| {
         let alpha = clamped(a, 1.0);
-        // Colour without coverage (a glow) cannot be written straight: it is dropped with its pixel.
+        // Colour without coverage (a glow) has no straight form: it is dropped.
         let straight = if alpha > 0.0 { Vec3::new(r, g, b) / alpha } else { Vec3::ZERO };
         to[..3].copy_from_slice(&display_rgb8(straight, spec));
         if let Some(to) = to.get_mut(3) {
@@ -59,14 +59,14 @@ pub(super) fn encode(
     Ok(writer.finish()?)
 }
 
-/// What `image` may allocate for the largest picture that is read (16 bits a channel).
+/// Limit of the memory that `image` may allocate, bytes: that of the largest image that is read, with 16 bits per channel.
 pub(super) fn limits() -> image::Limits {
     let mut limits = image::Limits::no_limits();
     limits.max_alloc = Some(MAX_PIXELS * 16 + (64 << 20));
     limits
 }
 
-/// Decodes a PNG of any colour type to texels with straight alpha; colours, where it holds any, from sRGB.
+/// Decodes a PNG of any colour type to texels with straight alpha; colours, if it holds any, from sRGB.
 pub(super) fn decode_texels(input: &mut BufReader<File>, color: bool) -> Result<Texels, Failure> {
     use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
     let decoder = PngDecoder::with_limits(input, limits())?;

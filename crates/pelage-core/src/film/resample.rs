@@ -2,11 +2,11 @@
 
 use rayon::prelude::*;
 
-/// Scales `source` (`size` = width and height, row by row) so that it covers `to`, keeping its aspect; what sticks
-/// out is cut off evenly on both sides. Tent filter, as wide as a source pixel when enlarging and as a target pixel
-/// when shrinking; edges repeat. Give it premultiplied linear pixels.
+/// Scales `source` (premultiplied linear pixels row by row; `size`: width and height) so that it covers `to`. The aspect ratio is kept; excess
+/// is cropped equally on both sides. Tent filter, as wide as a source pixel when enlarging and as a target pixel when shrinking; edge
+/// pixels repeat.
 ///
-/// Same size in and out returns the same pixels. Both sizes are at least 1 x 1.
+/// If both sizes are the same, so are the pixels. Both sizes are at least 1 x 1.
 pub fn cover(source: &[[f32; 4]], size: [usize; 2], to: [usize; 2]) -> Vec<[f32; 4]> {
     let scale = (size[0] as f64 / to[0] as f64).min(size[1] as f64 / to[1] as f64);
     let columns = taps(size[0], to[0], scale);

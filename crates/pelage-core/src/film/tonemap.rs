@@ -1,4 +1,4 @@
-//! From linear colour to what a display shows: exposure, tone mapping, the sRGB transfer function.
+//! From linear colour to display values: exposure, tone mapping, the sRGB transfer function.
 
 use crate::scene::{FilmSpec, Tonemap};
 use glam::{DMat3, DVec3, Vec3};

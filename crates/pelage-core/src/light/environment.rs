@@ -1,4 +1,4 @@
-//! Equirectangular environment maps and how they become a few directional lights.
+//! Equirectangular environment maps and their conversion to a few directional lights.
 //!
 //! Convention: the centre column of the map looks to -Z, columns to the right of it towards +X, the top row to +Y.
 //! `environment.rotate` turns the map about +Y, counter-clockwise seen from above (right-handed).
@@ -37,7 +37,7 @@ impl Panorama {
         Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
     }
 
-    /// Takes `R G B` of a film. Negative values (ringing of a resampled map) become 0.
+    /// A map from `R G B` of a film. Negative values (ringing of a resampled map) become 0.
     ///
     /// # Errors
     /// A message if a plane is missing or a value is not finite.
@@ -46,7 +46,7 @@ impl Panorama {
         let bad = pixels.iter().filter(|p| !p[..3].iter().all(|v| v.is_finite())).count();
         if bad > 0 {
             return Err(format!(
-                "{bad} of {} pixels are infinite or not a number; save the map with finite values (half float holds up to 65504)",
+                "found {bad} of {} pixels infinite or not a number: save the map with finite values (half float holds up to 65504)",
                 pixels.len()
             ));
         }
@@ -107,7 +107,7 @@ impl Panorama {
     }
 }
 
-/// Three degrees, less than hairs' highlights are wide: lights closer than this would be one to the fur.
+/// Three degrees, less than the width of hairs' highlights: closer lights would look like one on the fur.
 const SMALLEST_ANGLE: f64 = PI / 60.0;
 
 /// A rectangle of texels, ends exclusive.
@@ -134,7 +134,7 @@ impl Sums {
     }
 }
 
-/// A map with the sines and cosines of its rows and columns.
+/// A map with the solid angles of its texels and the sines and cosines of its rows and columns.
 struct Sphere<'a> {
     map: &'a Panorama,
     /// Solid angle of a texel, sine and cosine of the polar angle of its centre, by row.
@@ -187,13 +187,13 @@ impl<'a> Sphere<'a> {
         ]
     }
 
-    /// Whether a split makes two lights that may differ.
+    /// Whether a split gives two lights that may differ.
     fn splittable(&self, region: &Region) -> bool {
         let texels = (region.x[1] - region.x[0]) * (region.y[1] - region.y[0]);
         texels > 1 && self.extent(region).into_iter().any(|e| e > SMALLEST_ANGLE)
     }
 
-    /// Splits across the longer side where the energy halves.
+    /// Splits across the longer side into halves of about equal energy.
     fn split(&self, region: &Region) -> [Region; 2] {
         let Region { x, y } = *region;
         let [width, height] = self.extent(region);
@@ -218,7 +218,7 @@ impl<'a> Sphere<'a> {
     }
 }
 
-/// Adds up what lies closer together than [`SMALLEST_ANGLE`], the brightest first; leaves dark sums out.
+/// Merges lights that are closer than [`SMALLEST_ANGLE`], starting with the brightest; omits dark ones.
 fn merged(regions: &[(Region, Sums)]) -> Vec<Sums> {
     let mut sorted: Vec<&Sums> =
         regions.iter().map(|(_, sums)| sums).filter(|sums| sums.irradiance.max_element() > 0.0).collect();
@@ -238,7 +238,7 @@ fn merged(regions: &[(Region, Sums)]) -> Vec<Sums> {
     result
 }
 
-/// Turns a map into at most `n` directional lights (map space) that have its energy in each channel.
+/// Converts a map to at most `n` directional lights (map space) that have its energy in each channel.
 ///
 /// The region with the most energy is split across its longer side where its energy halves, until there are `n`
 /// lights; each is the energy-weighted centroid of its region's directions. Debevec (2005) splits all regions of a
@@ -255,7 +255,7 @@ pub fn median_cut(panorama: &Panorama, n: u32) -> Vec<Light> {
     let with_sums = |region: Region| (region, sphere.light(&region));
     let mut regions = vec![with_sums(panorama.whole())];
     let mut lights = merged(&regions);
-    // Four times as many regions as lights bound the work where everything is merged.
+    // At most four times as many regions as lights, a bound on the work where everything is merged.
     while lights.len() < n as usize && regions.len() < 4 * n as usize {
         let brightest = (0..regions.len())
             .filter(|i| regions[*i].1.energy > 0.0 && sphere.splittable(&regions[*i].0))
@@ -265,7 +265,7 @@ pub fn median_cut(panorama: &Panorama, n: u32) -> Vec<Light> {
         regions[i] = with_sums(first);
         regions.push(with_sums(second));
         let more = merged(&regions);
-        // A split may part what was merged with others and so add more than one light.
+        // A split may separate what was merged with others, and so add more than one light.
         if more.len() > n as usize {
             break;
         }
@@ -289,7 +289,7 @@ pub fn uniform_sky(radiance: Vec3, n: u32) -> Vec<Light> {
         .map(|i| {
             let y = 1.0 - (2.0 * f64::from(i) + 1.0) / f64::from(n);
             let (radius, azimuth) = ((1.0 - y * y).max(0.0).sqrt(), golden_angle * f64::from(i));
-            // One light alone stands above.
+            // A single light is overhead.
             let direction = if n == 1 {
                 Vec3::Y
             } else {

@@ -1,5 +1,5 @@
-//! Reading OBJ. tobj does the parsing, but knows no line numbers, stumbles over what a text file may hold and makes up
-//! missing indices; so the text is scanned first, every fault is reported with its line, and tobj gets a clean copy.
+//! Reads OBJ files. tobj does the parsing, but it knows no line numbers, fails on things that OBJ files may hold, and invents missing
+//! indices. So the text is scanned first, every fault is reported with its line, and tobj gets a clean copy.
 
 mod polygon;
 mod statements;
@@ -12,7 +12,7 @@ use std::collections::HashSet;
 use std::fmt::Write as _;
 use std::path::Path;
 
-/// What is refused before memory is spent on it.
+/// Limits of a file, checked before memory is spent on it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Limits {
     /// File size, bytes.
@@ -29,20 +29,21 @@ impl Default for Limits {
     }
 }
 
-/// Bytes that reading takes at its peak, about: the text twice, tobj's tables, the mesh.
+/// Approximate peak memory of reading, bytes: the text twice, tobj's tables, the mesh.
 fn estimated_bytes(text: u64, count: &Count) -> u64 {
     2 * text + 96 * count.positions + 160 * count.corners
 }
 
 /// Reads an OBJ file. Positions keep the file's units.
 ///
-/// Errors: [`Error::Io`] where the file cannot be read; [`Error::Scene`] with file and line for every fault of the text,
-/// for a file without faces and for one past `Limits::default()`.
+/// # Errors
+/// [`Error::Io`] where the file cannot be read; [`Error::Scene`] with file and line for every fault of the text,
+/// for a file without faces and for one beyond `Limits::default()`.
 pub fn read(path: &Path) -> Result<Mesh> {
     let limits = Limits::default();
     let size = std::fs::metadata(path).map_err(|e| Error::io(path, e))?.len();
     if size > limits.bytes {
-        return Err(too_large(path, format!("the file has {size} bytes, at most {} are read", limits.bytes)));
+        return Err(too_large(path, format!("found {size} bytes, expected at most {}", limits.bytes)));
     }
     parse(&std::fs::read(path).map_err(|e| Error::io(path, e))?, path, &limits)
 }
@@ -59,7 +60,7 @@ pub fn parse(text: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
     let count = Count::of(text);
     if count.positions > limits.vertices || count.triangles > limits.triangles {
         let found = format!(
-            "{} vertices and {} triangles would take about {} MiB to read; at most {} and {} are read",
+            "found {} vertices and {} triangles, which would take about {} MiB to read, expected at most {} and {}",
             count.positions,
             count.triangles,
             estimated_bytes(text.len() as u64, &count) >> 20,
@@ -89,7 +90,7 @@ fn too_large(file: &Path, message: String) -> Error {
     }])
 }
 
-/// What the file holds, counted before it is parsed: relative indices, missing uv and memory depend on it.
+/// Counts of a file's statements, taken before it is parsed: relative indices, missing uv and memory depend on them.
 #[derive(Debug, Default)]
 struct Count {
     positions: u64,
@@ -131,13 +132,13 @@ impl Count {
         count
     }
 
-    /// All faces have uv, and there are uv to have.
+    /// Whether the file has uv and all face corners name them.
     fn uv(&self) -> bool {
         self.texcoords > 0 && self.corners_with_uv == self.corners
     }
 }
 
-/// What the scan leaves for tobj, and what it noticed.
+/// The clean text for tobj, and what the scan noticed.
 #[derive(Default)]
 struct Clean {
     text: String,
@@ -146,10 +147,10 @@ struct Clean {
     others: u64,
 }
 
-/// Faults reported of one file; the others are counted.
+/// Largest number of faults that are reported for a file; further ones are counted.
 const MAX_FAULTS: usize = 10;
 
-/// The scan: checks each statement and writes it again for tobj, with absolute indices and without what is not used.
+/// The scan: checks each statement and rewrites it for tobj, with absolute indices and without what is not used.
 struct Scan<'a> {
     file: &'a Path,
     count: &'a Count,
@@ -182,7 +183,7 @@ impl<'a> Scan<'a> {
                     scan.clean.others += 1;
                     Ok(())
                 }
-                // Normals are smoothed anew; groups, materials and the rest do not matter for fur.
+                // Normals are computed anew; groups, materials and the rest do not matter for fur.
                 _ => Ok(()),
             };
             if let Err(message) = checked {
@@ -218,7 +219,9 @@ impl<'a> Scan<'a> {
                 self.clean.weighted += u64::from(w != 1.0);
                 let position = [x / w, y / w, z / w];
                 if position.iter().any(|p| !p.is_finite()) {
-                    return Err(format!("found w = {w}, by which the position cannot be divided"));
+                    return Err(format!(
+                        "found w = {w}, expected a number by which the position can be divided"
+                    ));
                 }
                 (position, [1.0; 3])
             }
@@ -233,7 +236,7 @@ impl<'a> Scan<'a> {
             return Err(format!("found a vertex colour of {c}, expected 0 or more"));
         }
         let ([x, y, z], [r, g, b]) = (position, color);
-        // Writing f32 gives the shortest text that reads back as the same number.
+        // An f32 is written as the shortest text that reads back as the same number.
         let written = if self.count.colored > 0 {
             writeln!(self.clean.text, "v {x} {y} {z} {r} {g} {b}")
         } else {
@@ -303,7 +306,7 @@ impl<'a> Scan<'a> {
     }
 }
 
-/// A word as it may stand in a message.
+/// A word as messages show it.
 fn shown(word: &[u8]) -> String {
     String::from_utf8_lossy(word).chars().take(40).collect()
 }
@@ -321,26 +324,28 @@ fn integer(word: &[u8]) -> Result<i64, String> {
     parsed.ok_or_else(|| format!("found the index `{}`, expected an integer", shown(word)))
 }
 
-/// An index from 1. Negative ones count back from the last of the `so_far` that stand above the face; positive ones
-/// may refer to what follows.
+/// An index from 1. A negative one counts back from the last of the `so_far` elements above the face; a positive one
+/// may refer to a later element.
 fn index(word: &[u8], so_far: u64, total: u64, what: &str) -> Result<u64, String> {
     let found = integer(word)?;
     let resolved = if found < 0 { found.saturating_add_unsigned(so_far).saturating_add(1) } else { found };
     match u64::try_from(resolved) {
         Ok(i) if i >= 1 && i <= total => Ok(i),
         _ if found == 0 => Err(format!("found index 0, expected 1 to {total} (OBJ counts {what} from 1)")),
-        _ if found < 0 => Err(format!("found index {found}, but only {so_far} {what} stand above this line")),
+        _ if found < 0 => {
+            Err(format!("found index {found}, but there are only {so_far} {what} above this line"))
+        }
         _ => Err(format!("found index {found}, but the file has {total} {what}")),
     }
 }
 
-/// Lets tobj parse the clean text and cuts its polygons.
+/// Parses the clean text by tobj and cuts its polygons into triangles.
 fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
     // Materials are never loaded; all faces are one model, since groups do not reach tobj.
     let options = tobj::LoadOptions { ignore_points: true, ignore_lines: true, ..Default::default() };
     let no_materials = |_: &Path| Err(tobj::LoadError::OpenFileFailed);
     let parsed = tobj::load_obj_buf(&mut clean.text.as_bytes(), &options, no_materials);
-    let (models, _) = parsed.map_err(|e| Error::fault(file, format!("not readable as OBJ: {e}")))?;
+    let (models, _) = parsed.map_err(|e| Error::fault(file, format!("cannot be read as OBJ: {e}")))?;
     let Some(model) = models.into_iter().next() else { return Err(Error::fault(file, "found no faces")) };
     let source = model.mesh;
     let mut mesh = Mesh {
@@ -369,7 +374,7 @@ fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
                 key.sort_unstable();
                 seen.insert(key)
             };
-            // Two quads may share two of their sides; both cut between the same corners, they would share a triangle.
+            // Two quads may share two sides; cut between the same corners, both would contain the same triangle.
             if !cuts.iter().all(&mut is_new) && arity == 4 && cut == polygon::Cut::Fan {
                 cuts = vec![[1, 2, 3], [1, 3, 0]];
                 cuts.iter().for_each(|t| {
@@ -409,7 +414,7 @@ fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
     Ok(mesh)
 }
 
-/// Some programs write vertex colours as 0..255.
+/// Scales vertex colours that a program wrote as 0..255.
 fn colors_from_bytes(mesh: &mut Mesh) {
     let largest = mesh.colors.iter().map(|c| c.max_element()).fold(0.0, f32::max);
     if largest > 1.0 {

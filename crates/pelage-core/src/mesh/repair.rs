@@ -1,6 +1,6 @@
-//! From a soup of triangles to a skin: what cannot carry fur goes, the rest is welded, wound outwards and gets normals.
+//! From a soup of triangles to a skin: triangles that cannot carry fur are dropped, the rest is welded, wound outwards and given normals.
 //!
-//! Geometry is computed in f64, so that no file's scale makes it overflow or vanish.
+//! Geometry is computed in f64, so that it neither overflows nor underflows, whatever the file's scale.
 
 use super::{
     Mesh,
@@ -10,11 +10,11 @@ use crate::Skin;
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// A triangle is dropped as having no area if its height is at most this part of its longest side: with f32 corners,
-/// its direction would be rounding noise.
+/// A triangle counts as having no area if its height is at most this fraction of its longest side: with f32 corners,
+/// its normal would be rounding noise.
 const MIN_HEIGHT: f64 = 1e-7;
 
-/// Makes a skin of `mesh`; the second part lists what was repaired or had to be left faulty, each with its count. The
+/// Makes `mesh` a skin. The second part lists what was repaired or could not be, each with its count. The
 /// skin's notes hold the mesh's notes and that list.
 pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
     let mut repairs = std::mem::take(&mut mesh.repairs);
@@ -23,7 +23,7 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
             repairs.push(format!("{n} {what}"));
         }
     };
-    // uv and colours that do not fit the mesh cannot come from a file, only from a caller.
+    // uv and colours that do not fit the mesh come from a caller, never from a file.
     if mesh.corner_uv.as_ref().is_some_and(|uv| uv.len() != mesh.triangles.len()) {
         report(1, "uv set dropped: its size is not that of the mesh");
         mesh.corner_uv = None;
@@ -72,7 +72,7 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
     (skin, repairs)
 }
 
-/// Keeps the triangles that `wanted` accepts; returns how many went.
+/// Keeps the triangles that `wanted` accepts; returns how many were dropped.
 fn keep(mesh: &mut Mesh, mut wanted: impl FnMut([u32; 3], &[Vec3]) -> bool) -> usize {
     let kept: Vec<bool> = mesh.triangles.iter().map(|t| wanted(*t, &mesh.positions)).collect();
     let filter = |i: &mut usize| {
@@ -91,7 +91,7 @@ fn keep(mesh: &mut Mesh, mut wanted: impl FnMut([u32; 3], &[Vec3]) -> bool) -> u
 /// Gives triangles with corners at exactly the same position the same vertex; returns how many used vertices were
 /// joined to others. Colours of welded vertices are averaged.
 ///
-/// Nearby positions stay apart on purpose: no distance is safe for every mesh (ears and claws are thin).
+/// Positions that are merely close stay separate: no distance is safe for every mesh (ears and claws are thin).
 fn weld(mesh: &mut Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|i| used[*i as usize] = true);
@@ -100,7 +100,7 @@ fn weld(mesh: &mut Mesh) -> usize {
     let mut target: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let mut welded = 0;
     for i in (0..mesh.positions.len()).filter(|i| used[*i]) {
-        // Adding zero makes -0 and 0 the same key.
+        // Adding zero turns -0 into 0, so that both have the same key.
         let key = (mesh.positions[i] + Vec3::ZERO).to_array().map(f32::to_bits);
         let to = *first.entry(key).or_insert(i as u32);
         welded += usize::from(to != i as u32);
@@ -114,7 +114,7 @@ fn weld(mesh: &mut Mesh) -> usize {
         }
     }
     mesh.triangles.iter_mut().flatten().for_each(|i| *i = target[*i as usize]);
-    // The vertices that lost their triangles here are counted as welded, not as unused.
+    // Vertices that lose their triangles here count as welded, not as unused.
     if welded > 0 {
         drop_unused(mesh);
     }
@@ -145,11 +145,11 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
     before - next
 }
 
-/// Winds each part of the mesh consistently: closed parts outwards (positive volume), open ones as most of their
-/// triangles are. Returns how many triangles were turned over. One-sided surfaces keep a seam of opposite winding.
+/// Winds each part of the mesh consistently: closed parts outwards (positive volume), open ones as most of their triangles are wound.
+/// Returns how many triangles were turned over. One-sided surfaces keep a seam of opposite winding.
 fn orient(mesh: &mut Mesh) -> usize {
     let count = mesh.triangles.len();
-    // Neighbour and whether both run along the common edge in the same direction.
+    // The neighbour, and whether both run along the common edge in the same direction.
     let mut beyond: Vec<[Option<(u32, bool)>; 3]> = vec![[None; 3]; count];
     for group in sorted_edges(&mesh.triangles).chunk_by(|a: &Edge, b: &Edge| a.key == b.key) {
         if let [a, b] = group {
@@ -186,7 +186,7 @@ fn orient(mesh: &mut Mesh) -> usize {
         let mut invert = 2 * flips > part.len();
         if closed {
             let volume = signed_volume(mesh, &part);
-            // A sheet folded onto itself has no volume to tell the outside.
+            // The volume of a sheet that is folded onto itself does not tell its outside.
             invert = if volume == 0.0 { invert } else { volume < 0.0 };
         }
         for &(t, flip) in part.iter().filter(|(_, flip)| *flip != invert) {
@@ -201,7 +201,7 @@ fn orient(mesh: &mut Mesh) -> usize {
     total
 }
 
-/// Volume that the triangles enclose, those with `true` turned over.
+/// Signed volume within the triangles, with those marked `true` turned over.
 fn signed_volume(mesh: &Mesh, part: &[(usize, bool)]) -> f64 {
     let Some(&(first, _)) = part.first() else { return 0.0 };
     let origin = mesh.positions[mesh.triangles[first][0] as usize].as_dvec3();
@@ -236,7 +236,7 @@ fn components(mesh: &Mesh) -> usize {
     parts
 }
 
-/// Unit normals, one a vertex: the sum of the triangle normals, each weighted by the triangle's angle at the vertex
+/// Unit normals, one per vertex: the sum of the triangle normals, each weighted by the triangle's angle at the vertex
 /// (Thürmer and Wüthrich 1998). Where they cancel, the normal of the largest triangle at the vertex; +y without any.
 pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
@@ -258,7 +258,7 @@ pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3>
     sums.iter()
         .zip(&largest)
         .map(|(sum, largest)| {
-            // Angles add up to a few; a sum below 1e-4 is directions cancelling each other.
+            // The angles' sum is of order 1: a length below 1e-4 means that directions cancel each other.
             let sum = if sum.length_squared() > 1e-8 { *sum } else { *largest };
             sum.try_normalize().unwrap_or(DVec3::Y).as_vec3()
         })

@@ -1,4 +1,4 @@
-//! Which triangles touch along which edge: the edge-key neighbour table and its counts.
+//! Neighbours of triangles, by a table of directed edges, and counts of edges.
 
 use crate::skin::NONE;
 

@@ -1,4 +1,4 @@
-//! Writing OBJ.
+//! Writes OBJ files.
 
 use crate::files::write_buffered;
 use crate::{Result, Skin};
@@ -8,9 +8,10 @@ use std::io::{self, Write};
 use std::path::Path;
 
 /// Writes `skin` as OBJ with normals, uv where there are any and vertex colours where they are not all white;
-/// positions in cm, world space. The file appears whole or not at all.
+/// positions in cm, world space. The file appears complete or not at all.
 ///
-/// Errors: [`crate::Error::Io`].
+/// # Errors
+/// [`crate::Error::Io`] where it cannot be written.
 pub fn write_obj(skin: &Skin, path: &Path) -> Result<()> {
     write_buffered(path, |out| Ok(obj(skin, out)?))
 }

@@ -7,14 +7,14 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Animation {
-    /// Frames in all.
+    /// Number of frames.
     #[schemars(range(min = 1, max = 100_000))]
     pub frames: u32,
-    /// Frames a second.
+    /// Frames per second.
     #[schemars(range(min = 0.1, max = 1000.0))]
     pub fps: f32,
-    /// Turn of the camera about the axis `camera.up` through its target over all frames, degrees, counter-clockwise seen from
-    /// above; after 360 the first frame would follow the last.
+    /// Rotation of the camera about the axis `camera.up` through its target over all frames, degrees, counter-clockwise seen from
+    /// above. With 360 the animation loops: the first frame follows the last.
     #[schemars(range(min = -36_000.0, max = 36_000.0))]
     pub turntable: f32,
     /// How the object moves.
@@ -27,17 +27,17 @@ impl Default for Animation {
     }
 }
 
-/// The object swings to and fro: it stands `amplitude` sin(2π `frequency` t) along `axis` from its place.
+/// The object swings: its displacement along `axis` is `amplitude` sin(2π `frequency` t).
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Motion {
-    /// cm.
+    /// Amplitude, cm.
     #[schemars(range(min = 0.0, max = 1e4))]
     pub amplitude: f32,
-    /// Swings a second.
+    /// Frequency, 1/s.
     #[schemars(range(min = 0.0, max = 100.0))]
     pub frequency: f32,
-    /// Direction, world space; not zero.
+    /// Direction, world space; must not be zero.
     pub axis: [f32; 3],
 }
 

@@ -1,5 +1,5 @@
-//! Holds a tree against the JSON schema: unknown keys, types, words, ranges. Every fault is collected; what is faulty
-//! is left out of the tree, so that the rules after this one still see the rest.
+//! Checks a tree against the JSON schema: unknown keys, types, words, ranges. All faults are collected. Faulty values are left out of the
+//! tree, so that later checks still see the rest.
 
 use super::{
     schema,
@@ -8,7 +8,7 @@ use super::{
 use crate::SceneFault;
 use serde_json::Value as Json;
 
-/// The faults of `tree`, each with its dotted path, and the tree without what is at fault.
+/// The tree without its faulty values, and the faults, each with its dotted path.
 pub(super) fn check(sources: &Sources, tree: Node) -> (Node, Vec<(String, SceneFault)>) {
     let mut checker = Checker { sources, faults: Vec::new() };
     let empty = Node::empty(tree.origin.clone());
@@ -16,7 +16,7 @@ pub(super) fn check(sources: &Sources, tree: Node) -> (Node, Vec<(String, SceneF
     (tree, checker.faults)
 }
 
-/// The limits of a number. They may stand beside a `$ref`, so they are collected on the way down.
+/// The limits of a number. The schema may have them beside a `$ref`, so they are collected on the way down.
 #[derive(Clone, Copy, Default)]
 struct Bounds {
     minimum: Option<f64>,
@@ -69,7 +69,7 @@ impl Checker<'_> {
         self.faults.push((path.to_owned(), self.sources.fault(&node.origin, message, help)));
     }
 
-    /// The node as far as it is valid; `None` where it is of the wrong kind or out of range.
+    /// The valid part of the node; `None` if it has the wrong type or is out of range.
     fn value(&mut self, path: &str, node: Node, schema: &'static Json, bounds: Bounds) -> Option<Node> {
         let bounds = bounds.and(schema);
         if let Some(target) = schema::reference(schema) {
@@ -162,7 +162,7 @@ impl Checker<'_> {
             self.fault(path, &node, format!("expected a finite number, found {x}"), None);
             return None;
         }
-        // Unsigned integers of the model; the schema of a 32-bit one carries no upper limit of its own.
+        // The schema gives unsigned 32-bit integers no upper limit of their own.
         let width = match schema.get("format").and_then(Json::as_str) {
             Some("uint32") => Bounds { maximum: Some(f64::from(u32::MAX)), ..Bounds::default() },
             _ => Bounds::default(),
@@ -222,7 +222,7 @@ impl Checker<'_> {
     }
 }
 
-/// Whether a value is of the kind that a schema without alternatives wants.
+/// Whether a value has the type that a schema without alternatives expects.
 fn fits(node: &Node, schema: &'static Json) -> bool {
     let string = !schema::words(schema).is_empty() || schema::kind(schema) == Some("string");
     match (&node.value, schema::kind(schema)) {
@@ -240,7 +240,7 @@ fn properties(schema: &'static Json) -> Vec<&'static str> {
     schema::properties(schema).map(|(key, _)| key).collect()
 }
 
-/// The table in which `key` would be right.
+/// Help for a key in the wrong table: where it belongs.
 fn elsewhere(key: &str, path: &str) -> Option<String> {
     let root = schema::json_schema();
     if !path.is_empty() && schema::property(root, key).is_some() {
@@ -251,7 +251,7 @@ fn elsewhere(key: &str, path: &str) -> Option<String> {
         .map(|(table, _)| format!("did you mean \"{table}.{key}\"?"))
 }
 
-/// A dotted path.
+/// The dotted path of `key` in the table at `path`.
 pub(super) fn join(path: &str, key: &str) -> String {
     if path.is_empty() { key.to_owned() } else { format!("{path}.{key}") }
 }

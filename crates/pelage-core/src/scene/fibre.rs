@@ -1,22 +1,22 @@
-//! How hairs scatter light: one table for guard hairs and undercoat.
+//! The table `fibre` of guard hairs and undercoat: how hairs scatter light.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A model of a hair's scattering.
+/// Scattering model of a hair.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum FibreModel {
     /// Kajiya and Kay 1989: `diffuse`, `specular`, `specular_exponent`.
     KajiyaKay,
     /// Sadeghi et al. 2010, single scattering, plus Kajiya-Kay diffuse: `intensity`, `shift`, `width`, `azimuth_tt`,
-    /// `glint`, `diffuse`. Bright hairs may send out more light than they receive.
+    /// `glint`, `diffuse`. Bright hairs may scatter more light than they receive.
     Sadeghi,
-    /// The same, darkened where it would send out more light than it receives.
+    /// The same, darkened where it would scatter more light than it receives.
     SadeghiNormalised,
     /// Chiang et al. 2016, a rough dielectric cylinder: `roughness`, `tilt`, `ior`, `absorption`.
     Chiang,
-    /// Yan et al. 2017, a cortex with a scattering medulla in it: `tilt`, `ior`, `absorption`, `medulla`.
+    /// Yan et al. 2017, a cortex around a scattering medulla: `tilt`, `ior`, `absorption`, `medulla`.
     Medulla,
 }
 
@@ -24,7 +24,7 @@ pub enum FibreModel {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FibreSpec {
-    /// The model. Not given: `sadeghi` for guard hairs, `kajiya_kay` for the undercoat.
+    /// The model; by default `sadeghi` for guard hairs, `kajiya_kay` for the undercoat.
     pub model: Option<FibreModel>,
     /// Sadeghi: intensity of R, TT, TRT.
     #[schemars(inner(range(min = 0.0)))]
@@ -41,7 +41,7 @@ pub struct FibreSpec {
     /// Sadeghi: glints, intensity and azimuthal width (degrees).
     #[schemars(inner(range(min = 0.0)))]
     pub glint: [f32; 2],
-    /// Weight of the Kajiya-Kay diffuse term. Not given: 1 in `kajiya_kay`, 0.7 in `sadeghi`.
+    /// Weight of the Kajiya-Kay diffuse term; by default 1 in `kajiya_kay`, 0.7 in `sadeghi`.
     #[schemars(range(min = 0.0))]
     pub diffuse: Option<f32>,
     /// Kajiya-Kay: weight of the specular term.
@@ -59,10 +59,10 @@ pub struct FibreSpec {
     /// Chiang, medulla: index of refraction.
     #[schemars(range(min = 1.05, max = 2.5))]
     pub ior: f32,
-    /// Chiang, medulla: absorption of the cortex, RGB, per radius of the hair. Not given: from the hair's colour.
+    /// Chiang, medulla: absorption of the cortex, RGB, per radius of the hair; by default derived from the hair's colour.
     #[schemars(inner(range(min = 0.0, max = 1000.0)))]
     pub absorption: Option<[f32; 3]>,
-    /// Medulla: what lies in the hair.
+    /// Medulla: the hair's interior and surface.
     pub medulla: MedullaSpec,
 }
 
@@ -70,7 +70,7 @@ pub struct FibreSpec {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct MedullaSpec {
-    /// Radius of the medulla by that of the hair.
+    /// Radius of the medulla, relative to that of the hair.
     #[schemars(range(min = 0.0, max = 0.99))]
     pub radius: f32,
     /// Scattering coefficient, per radius of the hair.
@@ -82,7 +82,7 @@ pub struct MedullaSpec {
     /// Mean cosine of the scattering angle.
     #[schemars(range(min = -0.95, max = 0.95))]
     pub anisotropy: f32,
-    /// Layers of the cuticle: how much more than one smooth surface it reflects.
+    /// Layers of the cuticle, which reflect more than one smooth surface.
     #[schemars(range(min = 0.0, max = 20.0))]
     pub layers: f32,
     /// Longitudinal and azimuthal width of the unscattered lobes, degrees.

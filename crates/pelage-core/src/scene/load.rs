@@ -1,7 +1,7 @@
-//! From files and flags to a [`Scene`].
+//! Loads a [`Scene`] from files and flags.
 //!
-//! What lies over what, from the top: flags of the command line, the scene file, its includes (a later one over an
-//! earlier one), the preset, the defaults. Tables are merged key by key; arrays and groom parameters as a whole.
+//! In order of precedence: flags of the command line, the scene file, its includes (a later one before an earlier one), the preset, the
+//! defaults. Tables are merged key by key; arrays and groom parameters are replaced as a whole.
 
 use super::{
     Scene, check, overrides, preset, rules, schema,
@@ -13,17 +13,17 @@ use serde::Deserialize;
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 
-/// No sensible scene includes more files than this; a chain that doubles at each step would.
+/// Largest number of included files: a bound on chains that double at each step.
 const MAX_FILES: usize = 64;
 
-/// A value set from the command line over what the scene file says.
+/// A value from the command line that overrides the scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
     /// What the user typed, for messages: `-D camera.fov=30` or `--spp 16`.
     pub flag: String,
     /// Dotted path: `camera.fov`, `lights.0.irradiance`.
     pub path: String,
-    /// TOML value; anything that is no TOML value is taken as a string.
+    /// TOML value; text that is no TOML value is taken as a string.
     pub value: String,
 }
 
@@ -31,7 +31,7 @@ impl Override {
     /// An override from `key.path=value`, the argument of `-D`.
     ///
     /// # Errors
-    /// [`Error::Scene`] where `=` or the key is missing.
+    /// [`Error::Scene`] if `=` or the key is missing.
     pub fn parse(argument: &str) -> Result<Self> {
         let flag = format!("-D {argument}");
         match argument.split_once('=') {
@@ -44,30 +44,27 @@ impl Override {
 }
 
 impl Scene {
-    /// Loads a scene file, the files it includes and its preset, sets `overrides` (`key.path=value`) over them and
-    /// looks whether every file that the scene names exists.
+    /// Loads a scene file, its includes and its preset, applies `overrides` (`key.path=value`), and checks that every file that
+    /// the scene names exists.
     ///
     /// # Errors
-    /// [`Error::Scene`] with all faults of all files at once, each with its place.
+    /// [`Error::Scene`] with all faults of all files, each with its position.
     pub fn load(path: &Path, overrides: &[String]) -> Result<(Self, Assets)> {
         Self::load_with(path, &parse_all(overrides)?)
     }
 
-    /// Like [`Scene::load`], with overrides that carry the flag they came from.
+    /// As [`Scene::load`], with overrides that know the flag they came from.
     ///
     /// # Errors
     /// As [`Scene::load`].
     pub fn load_with(path: &Path, overrides: &[Override]) -> Result<(Self, Assets)> {
         let text = std::fs::read(path).map_err(|e| {
-            Error::fault(
-                path,
-                format!("cannot read the scene file: {e}; scenes to start from are in scenes/"),
-            )
+            Error::fault(path, format!("cannot read the scene file: {e}; example scenes are in scenes/"))
         })?;
         let text = String::from_utf8(text).map_err(|e| {
             let line =
                 e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
-            Error::fault_at(path, line, "not UTF-8 text: is this a scene file?")
+            Error::fault_at(path, line, "not UTF-8 text, expected a scene file in TOML")
         })?;
         let mut loader = Loader::default();
         let (scene, tree, mut faults) = loader.scene(path, &text, overrides)?;
@@ -79,15 +76,15 @@ impl Scene {
             }
         }
         if !overrides.is_empty() {
-            // Who names a file on the command line names it from where they are.
+            // File names on the command line are relative to the working directory.
             assets.folders.push(PathBuf::from("."));
         }
         faults.extend(rules::missing_files(&tree, &loader.sources, &assets));
         loader.finish(scene, faults).map(|scene| (scene, assets))
     }
 
-    /// Parses the text of a scene file. `name` stands in messages, and includes are looked for beside it. Files that
-    /// the scene names are not looked for.
+    /// Parses the text of a scene file. Messages show `name`, and includes are relative to it. Whether the files that the scene names
+    /// exist is not checked.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -119,7 +116,7 @@ struct Loader {
 }
 
 impl Loader {
-    /// The scene as far as it is valid, its tree, and the faults found.
+    /// The valid part of the scene, its tree, and all faults.
     fn scene(
         &mut self,
         path: &Path,
@@ -129,7 +126,7 @@ impl Loader {
         let Some(mut tree) = self.file(path, text, &mut Vec::new()) else {
             return Err(Error::Scene(sorted(std::mem::take(&mut self.faults))));
         };
-        // The preset is chosen first, so that other overrides can change single values of it.
+        // The preset is chosen first, so that other overrides can change its values.
         let (chosen, others): (Vec<_>, Vec<_>) = overrides.iter().partition(|o| o.path == "preset");
         for o in chosen {
             self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
@@ -140,8 +137,9 @@ impl Loader {
         }
         let (tree, found) = check::check(&self.sources, tree);
         let mut faults = std::mem::take(&mut self.faults);
-        let scene = Scene::deserialize(tree.to_toml())
-            .map_err(|e| Error::fault(path, format!("{}: the schema let this pass", e.message())))?;
+        let scene = Scene::deserialize(tree.to_toml()).map_err(|e| {
+            Error::fault(path, format!("{} (which the schema does not exclude)", e.message()))
+        })?;
         faults.extend(rules::broken(&scene, &tree, &self.sources, &found));
         faults.extend(found.into_iter().map(|(_, fault)| fault));
         Ok((scene, tree, faults))
@@ -151,7 +149,7 @@ impl Loader {
         if faults.is_empty() { Ok(scene) } else { Err(Error::Scene(sorted(faults))) }
     }
 
-    /// Parses a file and merges its includes under it. `None` where it is no TOML; the faults are kept.
+    /// Parses a file and merges its includes under it. `None` if it is no TOML; the faults are collected.
     fn file(&mut self, path: &Path, text: &str, stack: &mut Vec<PathBuf>) -> Option<Node> {
         let mut tree = match self.sources.parse(path, text) {
             Ok(tree) => tree,
@@ -164,7 +162,7 @@ impl Loader {
             return Some(tree);
         };
         if !items.iter().all(|i| matches!(i.value, Value::String(_))) {
-            return Some(tree); // The schema check names the wrong type.
+            return Some(tree); // The schema check reports the wrong type.
         }
         if let Some(table) = tree.as_table_mut() {
             table.remove("include");
@@ -204,7 +202,7 @@ impl Loader {
                 self.file(&path, &text, stack)
             }
             Err(e) => {
-                let help = "includes are looked for relative to the file that names them".to_owned();
+                let help = "includes are relative to the file that names them".to_owned();
                 let fault = fault(format!("cannot include \"{name}\" ({}): {e}", path.display()), Some(help));
                 self.faults.push(fault);
                 None
@@ -235,14 +233,14 @@ impl Loader {
     }
 }
 
-/// Puts what `under` has and `over` has not into `over`.
+/// Adds to `over` what only `under` has.
 fn merge(over: &mut Node, under: Node, schema: &'static Json) {
     let schema = schema::resolve(schema);
     if schema::kind(schema) != Some("object") {
         return;
     }
     let (Some(table), Value::Table(below)) = (over.as_table_mut(), under.value) else { return };
-    // One of the two names the mesh: whichever stands higher hides the other.
+    // A mesh comes from a path or a shape: the one of higher precedence hides the other.
     let hides = |a: &str, b: &str, key: &str| key == b && table.contains_key(a) && is_mesh(schema);
     let hidden: Vec<_> =
         below.keys().filter(|k| hides("path", "shape", k) || hides("shape", "path", k)).cloned().collect();
@@ -267,7 +265,7 @@ fn is_mesh(schema: &'static Json) -> bool {
     schema::property(schema, "path").is_some() && schema::property(schema, "shape").is_some()
 }
 
-/// By file, then line.
+/// Sorted by file, then by line.
 fn sorted(mut faults: Vec<SceneFault>) -> Vec<SceneFault> {
     faults.sort_by(|a, b| (&a.file, a.line, a.column).cmp(&(&b.file, b.line, b.column)));
     faults

@@ -1,6 +1,6 @@
-//! The scene file as types. Every field has a default, so that an empty table is a valid one.
+//! The types of a scene file. Every field has a default, so that an empty table is valid.
 //!
-//! The ranges stand here as schemars attributes and nowhere else: the JSON schema that `pelage schema` prints is also
+//! Ranges are given here as schemars attributes and nowhere else: the JSON schema that `pelage schema` prints is also
 //! what the loader checks files against.
 
 pub use super::animation::*;
@@ -14,7 +14,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// Scene files, relative to this one, whose tables lie under this file's; a later one lies over an earlier one.
+    /// Scene files, relative to this one, whose values this file overrides; a later one overrides an earlier one.
     /// Empty once a scene is loaded.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub include: Vec<String>,
@@ -26,9 +26,9 @@ pub struct Scene {
     pub camera: Camera,
     /// Directional lights.
     pub lights: Vec<DirectionalLight>,
-    /// Image-based light, turned into directional lights.
+    /// Image-based light, converted to directional lights.
     pub environment: Option<Environment>,
-    /// The bare skin.
+    /// Material of the skin.
     pub base: BaseMaterial,
     /// Guard hairs.
     pub guard: Guard,
@@ -36,9 +36,9 @@ pub struct Scene {
     pub undercoat: Undercoat,
     /// Image size, sampling and output transform.
     pub film: FilmSpec,
-    /// What is rendered, how it is blended.
+    /// What is rendered, and how.
     pub render: RenderSpec,
-    /// Patches that cover the skin with a small texture.
+    /// Patches that cover the skin with one small texture.
     pub lapped: LappedSpec,
     /// Textures for shells and fins.
     pub bake: BakeSpec,
@@ -48,7 +48,7 @@ pub struct Scene {
     pub animation: Animation,
 }
 
-/// A groom parameter: a constant, a vertex colour or an image map read at the root.
+/// A groom parameter: a constant, or a vertex colour or image map read at the hair's root.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(untagged)]
 pub enum Scalar {
@@ -67,7 +67,7 @@ pub struct ScalarMap {
     /// Which channel is read.
     #[serde(default)]
     pub channel: Channel,
-    /// Factor on the texel (1 where not given).
+    /// Factor on the texel, by default 1.
     #[serde(default = "one")]
     pub value: f32,
     /// Added after the factor.
@@ -120,7 +120,7 @@ fn white() -> [f32; 3] {
 }
 
 impl Channel {
-    /// Place of the channel in a texel.
+    /// Index of the channel in a texel.
     pub fn index(self) -> usize {
         match self {
             Self::R => 0,
@@ -142,7 +142,7 @@ impl From<[f32; 3]> for Color {
     }
 }
 impl Scalar {
-    /// The largest value the parameter can take for texels in 0..=1.
+    /// The largest value that the parameter can take for texels in 0..=1.
     pub fn max(&self) -> f32 {
         match self {
             Self::Constant(v) => *v,
@@ -151,7 +151,7 @@ impl Scalar {
     }
 }
 
-/// Where the skin comes from. Exactly one of `path` and `shape` is given.
+/// Where the skin comes from: exactly one of `path` and `shape`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeshSpec {
@@ -159,7 +159,7 @@ pub struct MeshSpec {
     pub path: Option<String>,
     /// A procedural shape.
     pub shape: Option<Shape>,
-    /// Largest side of the bounding box after scaling, cm. Not given: the file's numbers are cm.
+    /// Largest side of the bounding box after scaling, cm; by default the file's numbers are cm.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<f32>,
     /// Further uniform scale.
@@ -171,13 +171,13 @@ pub struct MeshSpec {
     pub translate: [f32; 3],
     /// Move the centre of the bounding box to the origin first.
     pub center: bool,
-    /// Repairs become errors.
+    /// Report faults of the mesh as errors instead of repairing them.
     pub strict: bool,
-    /// Triangles do not share vertices, and normals are theirs: flat shading, to look at the mesh. Fur on it would part along every edge.
+    /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals. Fur would part along every edge.
     pub faceted: bool,
 }
 
-/// Shapes that are part of the program. Sizes in cm.
+/// Built-in shapes. Sizes in cm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Shape {
@@ -203,9 +203,9 @@ pub enum Shape {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
-    /// Eye position, cm.
+    /// Position of the camera, cm.
     pub eye: [f32; 3],
-    /// The point looked at, cm.
+    /// The point that the camera looks at, cm.
     pub target: [f32; 3],
     /// Up direction.
     pub up: [f32; 3],
@@ -226,14 +226,14 @@ pub struct Lens {
     /// Aperture diameter, cm.
     #[schemars(range(min = 0.0))]
     pub aperture: f32,
-    /// Distance of the plane in focus from the eye along the viewing direction, cm. Not given: the target.
+    /// Distance of the plane in focus from the camera along the viewing direction, cm; by default that of the target.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub focus: Option<f32>,
-    /// How it is made.
+    /// How it is computed.
     pub method: LensMethod,
 }
 
-/// How depth of field is made.
+/// How depth of field is computed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum LensMethod {
@@ -259,9 +259,9 @@ pub struct DirectionalLight {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
-    /// HDR or EXR file, or empty for a uniform sky of colour `tint`.
+    /// HDR or EXR file; empty for a uniform sky of colour `tint`.
     pub map: String,
-    /// Number of directional lights made of it: 1..=64.
+    /// Number of directional lights that it is converted to, 1..=64.
     #[schemars(range(min = 1, max = 64))]
     pub lights: u32,
     /// Factor on the radiance.
@@ -278,7 +278,7 @@ pub struct Environment {
     pub visible: bool,
 }
 
-/// The bare skin: Lambertian.
+/// Material of the skin: Lambertian.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct BaseMaterial {
@@ -299,24 +299,24 @@ pub struct Guard {
     /// Relative spread of the length, 0..1 (uniform, downwards).
     #[schemars(range(min = 0.0, max = 1.0))]
     pub length_variation: f32,
-    /// Diameter at root, widest place and tip, µm.
+    /// Diameter at the root, at the widest point and at the tip, µm.
     #[schemars(inner(range(min = 0.001, max = 10000.0)))]
     pub diameter: [f32; 3],
-    /// Where along the hair it is widest, 0..1.
+    /// Position of the widest point along the hair, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub widest: f32,
     /// Factor on the diameter.
     #[schemars(extend("minimum" = 0))]
     pub thickness: Scalar,
-    /// Segments a strand.
+    /// Segments per strand.
     #[schemars(range(min = 1, max = 64))]
     pub segments: u32,
-    /// Bend by gravity (-y), 0 none.
+    /// Bend by gravity (-y); 0: none.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub gravity: f32,
-    /// Comb direction, world space; projected on the skin. Zero: none.
+    /// Comb direction, world space, projected on the skin; zero: none.
     pub comb_direction: [f32; 3],
-    /// Comb strength: tangent of the lean, 0 upright.
+    /// Comb strength: tangent of the lean; 0: upright.
     #[schemars(extend("minimum" = 0))]
     pub comb: Scalar,
     /// Random lean of each hair, degrees (standard deviation of the cone).
@@ -344,7 +344,7 @@ pub struct Guard {
     pub color_root: Color,
     /// Colour at the tip.
     pub color_tip: Color,
-    /// Where between root and tip the colour changes, 0..1, and over what part of the length.
+    /// Colour transition between root and tip: position of its middle along the hair, 0..1, and its extent as a fraction of the length.
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub color_transition: [f32; 2],
     /// Random brightness variation between hairs, 0..1.
@@ -353,12 +353,12 @@ pub struct Guard {
     /// Opacity at the root (a0).
     #[schemars(range(min = 0.0, max = 1.0))]
     pub opacity: f32,
-    /// Exponent of the opacity's fall towards the tip (k_t); 0: opaque to the tip.
+    /// Exponential decay of the opacity towards the tip (k_t); 0: constant.
     #[schemars(range(min = 0.0))]
     pub tip_fade: f32,
     /// Scattering.
     pub fibre: FibreSpec,
-    /// Root darkening of `shading = "paper"`: strength k_s and length l_s as part of the hair length.
+    /// Root darkening of `shading = "paper"`: strength k_s and length l_s as a fraction of the hair's length.
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub root_darkening: [f32; 2],
 }
@@ -373,19 +373,19 @@ pub struct Undercoat {
     /// Diameter at root and tip, µm.
     #[schemars(inner(range(min = 0.001, max = 10000.0)))]
     pub diameter: [f32; 2],
-    /// Height of the shell, cm.
+    /// Height of the undercoat, cm.
     #[schemars(extend("minimum" = 0))]
     pub height: Scalar,
     /// Layers n_l, 1..=256.
     #[schemars(range(min = 1, max = 256))]
     pub layers: u32,
-    /// Subdivision level d, 0..=7; not given: chosen per triangle from `cell`.
+    /// Subdivision level d, 0..=7; by default chosen for each triangle from `cell`.
     #[schemars(range(min = 0, max = 7))]
     pub subdivision: Option<u32>,
-    /// Wanted edge of a subelement, cm, where `subdivision` is not given.
+    /// Desired edge of a subelement, cm, where `subdivision` is not given.
     #[schemars(range(min = 0.0001))]
     pub cell: f32,
-    /// Where the noise lives.
+    /// Domain of the noise.
     pub noise_domain: NoiseDomain,
     /// Clump noise: bumps per cm.
     #[schemars(range(min = 0.0))]
@@ -393,19 +393,19 @@ pub struct Undercoat {
     /// Clump noise: contrast 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub noise_contrast: f32,
-    /// Spread of the hair height, 0..1: how far the shell's top is uneven.
+    /// Spread of the hairs' height, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub height_variation: f32,
-    /// Bumps per cm of the height.
+    /// Height noise: bumps per cm.
     #[schemars(range(min = 0.0))]
     pub height_frequency: f32,
-    /// Displacement of the lookup that grows towards the top, cm.
+    /// Jitter of the noise lookup, growing towards the tips, cm.
     #[schemars(range(min = 0.0))]
     pub uv_jitter: f32,
-    /// Random turn of the tangents that grows towards the top, 0..1.
+    /// Random jitter of the tangents, growing towards the tips, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub tangent_jitter: f32,
-    /// Exponent of both growths.
+    /// Exponent of the growth of both jitters with height.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub jitter_exponent: f32,
     /// Lean along the guard hairs' comb direction: tangent of the angle.
@@ -417,18 +417,18 @@ pub struct Undercoat {
     pub color_tip: Color,
     /// Scattering.
     pub fibre: FibreSpec,
-    /// Part of the scattered light that goes on forward and is not counted as attenuation of a light, 0..1.
+    /// Share of the scattered light that goes on forward and does not count as attenuation of a light, 0..1.
     /// 0: single scattering as in Andersen et al. 2016.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub forward_scattering: f32,
-    /// Stored or evaluated densities.
+    /// Whether densities are stored or evaluated.
     pub storage: Storage,
     /// Step of the march in mean free paths of the densest undercoat.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 10))]
     pub step: f32,
 }
 
-/// Where the undercoat's noise lives.
+/// Domain of the undercoat's noise.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseDomain {
@@ -439,14 +439,14 @@ pub enum NoiseDomain {
     Uv,
 }
 
-/// Where the undercoat's densities are kept.
+/// Whether the undercoat's densities are stored.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Storage {
-    /// Stored where they fit the memory budget.
+    /// Stored if they fit into the memory budget, otherwise evaluated.
     #[default]
     Auto,
-    /// Four bytes a subelement.
+    /// Stored, in four bytes per subelement.
     Stored,
     /// Evaluated at each step of the march.
     Evaluated,

@@ -1,4 +1,4 @@
-//! What comes out: film, sampling, blending, budget.
+//! The tables `[film]` and `[render]`: image, sampling, layers, blending, light, memory budget.
 
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -7,18 +7,18 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct FilmSpec {
-    /// Pixels.
+    /// Width, pixels.
     #[schemars(range(min = 1, max = 32768))]
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     #[schemars(range(min = 1, max = 32768))]
     pub height: u32,
-    /// Samples a pixel.
+    /// Samples per pixel.
     #[schemars(range(min = 1, max = 65536))]
     pub spp: u32,
     /// Reconstruction filter.
     pub filter: Filter,
-    /// Filter radius, pixels; not given: the filter's usual one.
+    /// Filter radius, pixels; by default the filter's usual one.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 16))]
     pub filter_radius: Option<f32>,
     /// What is seen behind the fur.
@@ -54,7 +54,7 @@ pub enum Filter {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Background {
-    /// Nothing: alpha stays.
+    /// Nothing; alpha is kept.
     Transparent,
     /// A colour.
     #[default]
@@ -84,11 +84,11 @@ pub enum Tonemap {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct RenderSpec {
-    /// Which layers.
+    /// Which layers are rendered.
     pub fur: FurLayers,
     /// How undercoat and guard hairs are blended.
     pub blend: Blend,
-    /// Virtual fragments a ray, for `blend = "virtual"`.
+    /// Virtual fragments per ray, for `blend = "virtual"`.
     #[schemars(range(min = 1, max = 4096))]
     pub virtual_fragments: u32,
     /// Attenuation parameter a of Andersen et al. 2016, eq. (4), 1/cm, for `blend = "simplified"`.
@@ -98,11 +98,11 @@ pub struct RenderSpec {
     pub shading: Shading,
     /// Light scattered by more than one hair.
     pub multiple: MultipleScattering,
-    /// How the march learns what lies between it and a light.
+    /// How the march finds the optical depth towards a light.
     pub light: LightLookup,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u32,
-    /// Edge of a tile in samples; not given: chosen from the memory budget.
+    /// Edge of a tile in samples; by default chosen from the memory budget.
     #[schemars(range(min = 8, max = 32768))]
     pub tile: Option<u32>,
     /// GPU memory budget, bytes.
@@ -120,7 +120,7 @@ pub enum FurLayers {
     Explicit,
     /// Skin and undercoat.
     Implicit,
-    /// All.
+    /// Skin, undercoat and guard hairs.
     #[default]
     Hybrid,
     /// Shells and fins with baked textures: the real-time image of the same fur.
@@ -147,8 +147,8 @@ pub enum Shading {
     /// Undercoat and guard hairs shadow themselves and each other.
     #[default]
     Physical,
-    /// As in the paper: exponential root darkening, no environment light on the undercoat, no forward scattering, extinction the
-    /// same in all directions.
+    /// As in Andersen et al. 2016: exponential root darkening, no environment light on the undercoat, no forward scattering, isotropic
+    /// extinction.
     Paper,
 }
 
@@ -158,9 +158,9 @@ pub enum Shading {
 pub struct MultipleScattering {
     /// How it is found.
     pub model: MultipleModel,
-    /// Count light scattered on towards a hair from the light's side.
+    /// Include light that hairs on the light's side scatter forward to a hair.
     pub forward: bool,
-    /// Count light scattered back from the hairs behind.
+    /// Include light that the hairs behind a hair scatter back to it.
     pub backward: bool,
     /// Density factors d_f and d_b of `model = "dual"` (Zinke et al. 2008 use 0.7).
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
@@ -171,26 +171,27 @@ pub struct MultipleScattering {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum MultipleModel {
-    /// By transport where a coat's fibres are `chiang` or `medulla`, which hardly show light that was scattered once; else by similarity.
+    /// `transport` where the coat's fibres are `chiang` or `medulla`, whose light is mostly scattered more than once; otherwise
+    /// `similarity`.
     #[default]
     Auto,
-    /// Not at all.
+    /// Single scattering only.
     None,
-    /// A share of what hairs take from a light is not taken: `undercoat.forward_scattering`.
+    /// Hairs attenuate a light less: the share `undercoat.forward_scattering` of the scattered light counts as going on.
     Similarity,
     /// Dual scattering, Zinke et al. 2008.
     Dual,
-    /// Radiative transfer in a flat coat of the same fibres, looked up by the depth towards each light.
+    /// Radiative transfer in a flat coat of the same fibres, looked up by the optical depth towards each light.
     Transport,
 }
 
-/// How the march learns what lies between it and a light.
+/// How the march finds the optical depth towards a light.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum LightLookup {
-    /// From the light lattice, filled once.
+    /// From the optical-depth lattice, filled once.
     #[default]
     Lattice,
-    /// By a march towards each of the two brightest lights at every step; slow, the reference. Guard hairs cast no shadow then.
+    /// By a march towards each of the two brightest lights at every step: slow, to compare with. Guard hairs cast no shadow then.
     Nested,
 }

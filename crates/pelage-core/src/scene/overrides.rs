@@ -1,4 +1,4 @@
-//! Values from the command line, set into the tree before it is checked.
+//! Sets values from the command line in the tree before it is checked.
 
 use super::{
     Override, Scene,
@@ -6,17 +6,22 @@ use super::{
 };
 use crate::SceneFault;
 
-/// Sets `o` in `tree`. Tables on the way are made where they are not there; an array that the files do not give starts
-/// from its default.
+/// Sets `o` in `tree`. Missing tables on its path are created; an array that the files do not give starts from its default.
 pub(super) fn set(tree: &mut Node, sources: &mut Sources, o: &Override) -> Option<SceneFault> {
     let origin = sources.add(&o.flag, None);
     let fault = |message: String, help: &str| Some(sources.fault(&origin, message, Some(help.into())));
     if o.path == "include" {
-        return fault("include cannot be set from the command line".into(), "write it into the scene file");
+        return fault(
+            "found include, which cannot be set from the command line".into(),
+            "write it into the scene file",
+        );
     }
     let keys: Vec<&str> = o.path.split('.').collect();
     if keys.iter().any(|k| k.is_empty()) {
-        return fault(format!("\"{}\" is no key path", o.path), "write key.path=value, e.g. camera.fov=30");
+        return fault(
+            format!("found \"{}\", expected a key path", o.path),
+            "write key.path=value, e.g. camera.fov=30",
+        );
     }
     let value = sources.parse_value(&origin, &o.value);
     match place(tree, &keys, &origin) {
@@ -37,7 +42,7 @@ fn mesh_of(tree: &mut Node) -> Option<&mut Table> {
     tree.as_table_mut()?.get_mut("mesh")?.node.as_table_mut()
 }
 
-/// The node at `keys`, made if need be.
+/// The node at `keys`, created if it is missing.
 fn place<'a>(tree: &'a mut Node, keys: &[&str], origin: &Origin) -> Result<&'a mut Node, String> {
     let mut node = tree;
     for (depth, key) in keys.iter().enumerate() {
@@ -62,7 +67,12 @@ fn place<'a>(tree: &'a mut Node, keys: &[&str], origin: &Origin) -> Result<&'a m
                         &mut items[i]
                     }
                     Some(i) => return Err(format!("{} has length {length}, there is no item {i}", path())),
-                    None => return Err(format!("{} is an array, \"{key}\" is no index", path())),
+                    None => {
+                        return Err(format!(
+                            "found \"{key}\" after {}, expected an index of the array",
+                            path()
+                        ));
+                    }
                 }
             }
             Value::Table(table) => {

@@ -1,4 +1,4 @@
-//! What a scene must hold beyond types and ranges: values that depend on each other, and files that must exist.
+//! Rules beyond types and ranges: values that depend on each other, and files that must exist.
 
 use super::{
     Background, Scalar, Scene, check,
@@ -8,11 +8,11 @@ use crate::SceneFault;
 use crate::assets::Assets;
 use glam::Vec3;
 
-/// A broken rule: the keys it is about (the first gives the place), what is wrong, what to do.
+/// A broken rule: the keys that it concerns (the first gives the position), what is wrong, what to do.
 type Broken = (Vec<&'static str>, String, &'static str);
 
-/// The faults of values that do not go together. A rule is silent where a key that it is about, or a table on the way
-/// to it, already has a fault: `found` holds these with their paths.
+/// The faults of values that contradict each other. A rule is skipped if a table with one of its keys already has a fault; `found` holds
+/// these with their paths.
 pub(super) fn broken(
     scene: &Scene,
     tree: &Node,
@@ -30,7 +30,11 @@ pub(super) fn broken(
         if Vec3::from(light.direction).length_squared() < 1e-12 {
             let origin = tree.origin_of(&format!("lights.{i}.direction"));
             let message = format!("lights.{i}.direction: must not be zero");
-            faults.push(sources.fault(origin, message, Some("it points from the scene to the light".into())));
+            faults.push(sources.fault(
+                origin,
+                message,
+                Some("give the direction from the scene to the light".into()),
+            ));
         }
     }
     faults
@@ -56,7 +60,12 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "mesh: both mesh.path and mesh.shape are given",
         "keep one of them",
     );
-    rule(mesh.path.as_deref() != Some(""), &["mesh.path"], "mesh.path: is empty", "name an OBJ file");
+    rule(
+        mesh.path.as_deref() != Some(""),
+        &["mesh.path"],
+        "mesh.path: found an empty name",
+        "name an OBJ file",
+    );
     let camera = &scene.camera;
     let view = Vec3::from(camera.target) - Vec3::from(camera.eye);
     let up = Vec3::from(camera.up);
@@ -64,7 +73,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         view.length() > 0.0,
         &["camera.target", "camera.eye"],
         "camera: eye and target are the same",
-        "move one",
+        "move one of them",
     );
     rule(
         view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
@@ -88,7 +97,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
     rule(
         u64::from(film.width) * u64::from(film.height) <= 1 << 29,
         &["film.width", "film.height"],
-        "film: more than 536,870,912 pixels",
+        "film: found more than 536,870,912 pixels",
         "render parts of it with --cropwindow at a smaller size",
     );
     let motion = &scene.animation.motion;
@@ -96,7 +105,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         motion.amplitude == 0.0 || Vec3::from(motion.axis).length_squared() > 1e-12,
         &["animation.motion.axis"],
         "animation.motion.axis: must not be zero",
-        "it is the direction in which the object swings",
+        "give the direction in which the object swings",
     );
     let (guard, undercoat) = (&scene.guard, &scene.undercoat);
     let groom: [(&[&'static str], &Scalar); 9] = [
@@ -121,7 +130,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
     broken
 }
 
-/// The files that the scene names and that are in none of the folders.
+/// Faults for files that the scene names and that are in none of the folders.
 pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> Vec<SceneFault> {
     let mut named = Vec::new();
     collect_files("", tree, &mut named);
@@ -134,7 +143,7 @@ pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> 
         .collect()
 }
 
-/// Every string that names a file: the mesh, the plate, and whatever is called `map`.
+/// All strings that name a file: the mesh, the plate, and every key called `map`.
 fn collect_files<'a>(path: &str, node: &'a Node, found: &mut Vec<(String, &'a Node, &'a str)>) {
     match &node.value {
         Value::Table(table) => {

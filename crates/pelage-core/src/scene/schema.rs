@@ -1,4 +1,4 @@
-//! The JSON schema of a scene file, derived from the types, and the few questions the loader asks of it.
+//! The JSON schema of a scene file, derived from the types, and the loader's queries to it.
 
 use serde_json::Value as Json;
 use std::sync::LazyLock;
@@ -40,7 +40,7 @@ pub(super) fn variants(schema: &'static Json) -> Vec<&'static Json> {
     all.iter().filter(|s| kind(s) != Some("null")).collect()
 }
 
-/// The JSON type of a schema, `null` left out where it stands beside another type.
+/// The JSON type of a schema; `null` beside another type is ignored.
 pub(super) fn kind(schema: &Json) -> Option<&str> {
     match schema.get("type")? {
         Json::String(kind) => Some(kind),
@@ -49,7 +49,7 @@ pub(super) fn kind(schema: &Json) -> Option<&str> {
     }
 }
 
-/// The properties of a table: empty where the schema is no table.
+/// The properties of a table; empty if the schema is no table.
 pub(super) fn properties(schema: &'static Json) -> impl Iterator<Item = (&'static str, &'static Json)> {
     schema
         .get("properties")
@@ -64,14 +64,14 @@ pub(super) fn property(schema: &'static Json, key: &str) -> Option<&'static Json
     schema.get("properties")?.get(key)
 }
 
-/// The words that a string may be: empty where any string will do.
+/// The values that a string may have; empty if any string will do.
 pub(super) fn words(schema: &'static Json) -> Vec<&'static str> {
     let listed = schema.get("enum").and_then(Json::as_array).into_iter().flatten();
     let constants = schema.get("oneOf").and_then(Json::as_array).into_iter().flatten();
     listed.chain(constants.filter_map(|s| s.get("const"))).filter_map(Json::as_str).collect()
 }
 
-/// What a schema expects, in words.
+/// What a schema expects, for messages.
 pub(super) fn describe(schema: &'static Json) -> String {
     let schema = resolve(schema);
     let alternatives = variants(schema);

@@ -8,25 +8,25 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LappedSpec {
-    /// Radius of a patch's outline, cm; not given: 0.0465 of the square root of the skin's area.
+    /// Radius of a patch's outline, cm; by default 0.0465 times the square root of the skin's area.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: Option<f32>,
-    /// How uneven the outline is: spread of its radius, 0..0.9.
+    /// Irregularity of the outline: spread of its radius, 0..0.9.
     #[schemars(range(min = 0.0, max = 0.9))]
     pub irregularity: f32,
-    /// Where the direction of the hair comes from.
+    /// Source of the direction field.
     pub field: FieldSource,
-    /// Directions at places, for `field = "vectors"`; everywhere else is interpolated.
+    /// Directions at points of the skin, for `field = "vectors"`; they are interpolated everywhere else.
     pub vectors: Vec<FieldVector>,
-    /// Textures follow the field; false: each patch is turned at random, as upright hair allows.
+    /// Textures follow the field; false: each patch has a random orientation, which suits upright hair.
     pub aligned: bool,
-    /// Patches overlap within their outline, as in Praun et al. 2000, and shells show each of them; false: each is extended to whole faces and a face shows
-    /// only the topmost patch, as in Lengyel et al. 2001.
+    /// Patches overlap within their outlines and shells show all of them, as in Praun et al. 2000; false: patches are extended to whole faces
+    /// and each face shows only its topmost patch, as in Lengyel et al. 2001.
     pub overlapping: bool,
 }
 
 impl LappedSpec {
-    /// The default radius as part of the square root of the skin's area.
+    /// The default radius, relative to the square root of the skin's area.
     pub const RADIUS: f64 = 0.0465;
 }
 
@@ -43,28 +43,28 @@ impl Default for LappedSpec {
     }
 }
 
-/// Where the direction field on the skin comes from.
+/// Source of the direction field on the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum FieldSource {
     /// The smoothest field that the skin allows.
     #[default]
     Auto,
-    /// Downwards (-y), evened out over half a patch's radius.
+    /// Downwards (-y), smoothed over half a patch's radius.
     Gravity,
-    /// Along `guard.comb_direction`, evened out in the same way.
+    /// Along `guard.comb_direction`, smoothed in the same way.
     Groom,
     /// Interpolated from `vectors`.
     Vectors,
 }
 
-/// A direction at a place of the skin.
+/// A direction at a point of the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields)]
 pub struct FieldVector {
-    /// Place, cm, world space; the nearest face is meant.
+    /// Point, cm, world space; the nearest face is used.
     pub at: [f32; 3],
-    /// Direction, world space; projected on the skin. Not zero.
+    /// Direction, world space, projected on the skin; must not be zero.
     pub direction: [f32; 3],
 }
 
@@ -83,13 +83,13 @@ pub struct BakeSpec {
     /// Texels of the fin along the edge and upwards.
     #[schemars(inner(range(min = 4, max = 4096)))]
     pub fin_resolution: [u32; 2],
-    /// Edge of the torus that the texture covers, cm; not given: 1 cm for `hybrid`, a sixteenth of the skin's diameter else.
+    /// Edge of the torus that the texture covers, cm; by default 1 cm for `hybrid`, otherwise a sixteenth of the skin's diameter.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub patch: Option<f32>,
-    /// Height of the fur, cm; not given: the groom's for `hybrid`, a thousandth of the skin's diameter a layer else.
+    /// Height of the fur, cm; by default the groom's for `hybrid`, otherwise a thousandth of the skin's diameter per layer.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub height: Option<f32>,
-    /// Thickness of the slab of hair that makes the fin, as part of the torus's edge.
+    /// Thickness of the slab of hair that the fin shows, as a fraction of the torus's edge.
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 1))]
     pub fin_slab: f32,
     /// Hair of `source = "particles"`.
@@ -123,25 +123,25 @@ pub enum BakeSource {
     Hybrid,
     /// Hair grown by a particle system (Lengyel et al. 2001).
     Particles,
-    /// Random dots, fewer in each layer (the xbdev tutorial).
+    /// Random dots, fewer in each layer outwards (the xbdev tutorial).
     Dots,
 }
 
-/// Hair grown by a particle system in a box whose sides wrap around. Lengths are relative to the box: 1 is the edge of the torus
-/// across the skin, and the height of the fur upwards.
+/// Hair grown by a particle system in a box whose sides wrap around. Lengths are relative to the box: across the skin 1 is the edge of the
+/// torus, upwards 1 is the height of the fur.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Particles {
     /// Hairs in the box.
     #[schemars(range(min = 1, max = 1_000_000))]
     pub count: u32,
-    /// Diameter as part of the torus's edge, at the root and at the tip.
+    /// Diameter at the root and at the tip, as a fraction of the torus's edge.
     #[schemars(inner(range(min = 0.0, max = 0.5)))]
     pub diameter: [f32; 2],
     /// Lean: tangent of the angle, along +u.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub lean: f32,
-    /// Curl radius as part of the torus's edge.
+    /// Curl radius, as a fraction of the torus's edge.
     #[schemars(range(min = 0.0, max = 0.5))]
     pub curl: f32,
     /// Curl turns over the height.
@@ -150,7 +150,7 @@ pub struct Particles {
     /// Random change of the direction over the height.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub noise: f32,
-    /// Bend along +u that grows towards the tip, as gravity's.
+    /// Bend along +u that grows towards the tip, as by gravity.
     #[schemars(range(min = 0.0, max = 10.0))]
     pub gravity: f32,
     /// Pull of the tips towards clump centres, 0..1.
@@ -203,15 +203,15 @@ pub struct Dots {
     /// Dots in the outermost layer.
     #[schemars(range(min = 0, max = 1_000_000))]
     pub tip: u32,
-    /// How the number falls from base to tip.
+    /// How the number falls from `base` to `tip`.
     pub profile: DotProfile,
     /// Edge of a dot, texels.
     #[schemars(range(min = 1, max = 64))]
     pub size: u32,
-    /// Least and largest value of red, green and blue, drawn for each hair, linear.
+    /// Smallest and largest value of red, green and blue, linear; drawn for each hair.
     #[schemars(inner(inner(range(min = 0.0, max = 1.0))))]
     pub color: [[f32; 2]; 3],
-    /// Brightness of the innermost layer, 1 at the tip.
+    /// Brightness of the innermost layer, relative to the outermost.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub root_brightness: f32,
 }
@@ -229,7 +229,7 @@ impl Default for Dots {
     }
 }
 
-/// Fall of the number of dots with height l in 0..1.
+/// Number of dots at the height l, 0..1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum DotProfile {
@@ -248,9 +248,9 @@ pub enum DotProfile {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Shells {
-    /// `manifest.json` of `pelage bake`; not given: textures are baked as `[bake]` says when rendering.
+    /// `manifest.json` of `pelage bake`; by default textures are baked by `[bake]` when rendering.
     pub textures: Option<String>,
-    /// How textures lie on the skin.
+    /// How textures are mapped to the skin.
     pub mapping: Mapping,
     /// Draw the shells.
     pub shells: bool,
@@ -263,31 +263,31 @@ pub struct Shells {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent (Lengyel et al. 2001); false: they only test it (NVIDIA's sample).
     pub depth_write: bool,
-    /// Coverage grows with the way that a look takes through a layer, and with the angle between it and the hairs; false: the texture's
-    /// coverage from every side, as in the works that drew shells first.
+    /// Coverage grows with the length of the view ray within a layer and with its angle to the hairs; false: the texture's coverage from
+    /// every direction, as in the first works on shells.
     pub slanted: bool,
-    /// Shells drawn, from the skin outwards; not given: all of the textures.
+    /// Number of shells drawn, from the skin outwards; by default all of the textures.
     #[schemars(range(min = 1, max = 128))]
     pub layers: Option<u32>,
-    /// Distance between shells, cm; not given: the textures' own.
+    /// Distance between shells, cm; by default that of the textures.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub spacing: Option<f32>,
-    /// Factor on the length: a constant or a map; 0 is bald.
+    /// Factor on the length: a constant or a map; 0: bald.
     #[schemars(extend("minimum" = 0))]
     pub length: Scalar,
     /// Factor on the colour: a constant, vertex colours or an image over the skin's uv.
     pub color: Color,
     /// Light model.
     pub lighting: ShellLighting,
-    /// The lighting table, for `lighting = "table"`.
+    /// Parameters of `lighting = "table"`.
     pub table: LightingTable,
-    /// Combing over the whole skin: tangential, world space; length is the tangent of the lean.
+    /// Comb over the whole skin: a tangential vector, world space, whose length is the tangent of the lean.
     pub comb: [f32; 3],
     /// Brush strokes.
     pub brushes: Vec<Brush>,
-    /// Shadow between hairs by a lookup shifted in the texture; strength 0 is off.
+    /// Shadow between hairs by a shifted lookup in the texture.
     pub shadow: ShellShadow,
-    /// Forces that bend the hairs, and the spring that holds them.
+    /// Forces that bend the hairs, and the spring that restores them.
     pub dynamics: Dynamics,
     /// Fewer shells with distance.
     pub lod: Lod,
@@ -319,7 +319,7 @@ impl Default for Shells {
     }
 }
 
-/// How textures lie on the skin.
+/// How textures are mapped to the skin.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Mapping {
@@ -337,9 +337,9 @@ pub enum FinFade {
     /// max(0, 2|p| - 1), p the cosine between the fin's normal and the view (Lengyel et al. 2001).
     #[default]
     Cosine,
-    /// All of an edge that is on or near the silhouette (NVIDIA's sample).
+    /// Fully visible on edges that are on or near the silhouette (NVIDIA's sample).
     Threshold,
-    /// Both: within the threshold, faded in from its border.
+    /// Both: visible within the threshold, faded in from its limit.
     Both,
 }
 
@@ -347,7 +347,7 @@ pub enum FinFade {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum ShellLighting {
-    /// That of the hybrid fur: its scattering, and what its light lattice lets through.
+    /// That of the hybrid fur: its scattering, with the transmittances of its optical-depth lattice.
     #[default]
     Scene,
     /// The 32 x 32 table of Lengyel et al. 2001, with Banks's darkening towards the skin.
@@ -373,10 +373,10 @@ pub struct LightingTable {
     /// P_s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub specular_exponent: f32,
-    /// Brightness of the innermost layer, 1 outermost.
+    /// Brightness of the innermost layer, relative to the outermost.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub self_shadow: f32,
-    /// Exponent of the growth from it.
+    /// Exponent of its growth towards the outermost layer.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub self_shadow_exponent: f32,
 }
@@ -404,9 +404,9 @@ pub struct Brush {
     /// Radius, cm; the effect falls smoothly to zero there.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub radius: f32,
-    /// As `shells.comb`.
+    /// Comb vector, as `shells.comb`.
     pub direction: [f32; 3],
-    /// Factor on the hair's brightness at the centre, falling to 1 in the same way: shows what a stroke moves.
+    /// Factor on the hairs' colour at the centre, which returns to 1 in the same way: shows what a stroke affects.
     #[serde(default = "white")]
     #[schemars(inner(range(min = 0.0)))]
     pub tint: [f32; 3],
@@ -420,10 +420,10 @@ fn white() -> [f32; 3] {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct ShellShadow {
-    /// Shift of the lookup towards the light, as part of the texture.
+    /// Shift of the lookup towards the light, as a fraction of the texture.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub offset: f32,
-    /// 0: none, 1: as dark as the tutorial's.
+    /// Strength; 0: none, 1: as dark as the tutorial's.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub strength: f32,
 }
@@ -434,7 +434,7 @@ impl Default for ShellShadow {
     }
 }
 
-/// Forces on hairs and the damped spring that holds them: m b'' = -k b - c b' + m a.
+/// Forces on hairs and the damped spring that restores them: m b'' = -k b - c b' + m a.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Dynamics {
@@ -442,16 +442,16 @@ pub struct Dynamics {
     pub gravity: [f32; 3],
     /// Acceleration by the mean wind, cm/s², world space.
     pub wind: [f32; 3],
-    /// Part of the wind that comes and goes, 0..1.
+    /// Share of the wind that varies in gusts, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub gust: f32,
-    /// Gusts a second.
+    /// Gusts per second.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub gust_frequency: f32,
-    /// Stiffness by mass k/m, 1/s².
+    /// Stiffness per mass k/m, 1/s².
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub stiffness: f32,
-    /// Damping by mass c/m, 1/s.
+    /// Damping per mass c/m, 1/s.
     #[schemars(range(min = 0.0))]
     pub damping: f32,
 }
@@ -475,7 +475,7 @@ impl Default for Dynamics {
 pub struct Lod {
     /// Whether coarser levels are used.
     pub enabled: bool,
-    /// Distance of the eye, in diameters of the skin, at which the number of shells is half, then a quarter at twice that.
+    /// Distance of the camera, in diameters of the skin, at which the number of shells is halved; at twice that it is a quarter.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub distance: f32,
 }

@@ -1,4 +1,4 @@
-//! A parsed scene file that knows where every key and value stands.
+//! A parsed scene file that knows the position of every key and value.
 
 use crate::SceneFault;
 use std::{
@@ -11,25 +11,25 @@ use toml::{
     de::{DeTable, DeValue},
 };
 
-/// Every text that took part in a scene: files, the preset, flags.
+/// All texts that a scene consists of: files, the preset, flags.
 #[derive(Debug, Default)]
 pub(super) struct Sources(Vec<Source>);
 
 #[derive(Debug)]
 struct Source {
     name: PathBuf,
-    /// `None` for what has no lines: flags of the command line, defaults.
+    /// `None` for sources without lines: flags of the command line, defaults.
     text: Option<String>,
 }
 
-/// Where something stands.
+/// The position of a key or value.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Origin {
     source: usize,
     span: Option<Range<usize>>,
 }
 
-/// A value and its place.
+/// A value and its position.
 #[derive(Debug, Clone)]
 pub(super) struct Node {
     pub origin: Origin,
@@ -45,14 +45,14 @@ pub(super) enum Value {
     Integer(i64),
     Float(f64),
     Boolean(bool),
-    /// What no scene key accepts, in words: a date, an integer too large.
+    /// A value that no key accepts, described for messages: a date, an integer that is too large.
     Other(String),
 }
 
-/// A table: its keys with the key's own place.
+/// A table by key.
 pub(super) type Table = BTreeMap<String, Entry>;
 
-/// A key's place and its value.
+/// A key's position and its value.
 #[derive(Debug, Clone)]
 pub(super) struct Entry {
     pub key: Origin,
@@ -60,7 +60,7 @@ pub(super) struct Entry {
 }
 
 impl Sources {
-    /// Adds a text; without lines where `text` is `None`.
+    /// Adds a source; it has no lines if `text` is `None`.
     pub fn add(&mut self, name: impl Into<PathBuf>, text: Option<String>) -> Origin {
         self.0.push(Source { name: name.into(), text });
         Origin { source: self.0.len() - 1, span: None }
@@ -76,7 +76,7 @@ impl Sources {
         SceneFault { file: source.name.clone(), line, column, message: message.into(), help }
     }
 
-    /// Parses `text` as a TOML document; all syntax errors come together.
+    /// Parses `text` as a TOML document; all syntax errors are reported together.
     pub fn parse(&mut self, name: &Path, text: &str) -> Result<Node, Vec<SceneFault>> {
         let origin = self.add(name, Some(text.to_owned()));
         let (document, errors) = DeTable::parse_recoverable(text);
@@ -91,7 +91,7 @@ impl Sources {
         Err(errors.iter().map(fault).collect())
     }
 
-    /// The value that `text` writes in TOML; any other text is a string.
+    /// The TOML value that `text` denotes; other text is a string.
     pub fn parse_value(&self, origin: &Origin, text: &str) -> Node {
         match DeValue::parse(text) {
             Ok(value) => self.node(origin, value),
@@ -171,7 +171,7 @@ impl Node {
         if let Value::Table(table) = &self.value { Some(table) } else { None }
     }
 
-    /// The table, to change, if it is one.
+    /// The table, mutable, if it is one.
     pub fn as_table_mut(&mut self) -> Option<&mut Table> {
         if let Value::Table(table) = &mut self.value { Some(table) } else { None }
     }
@@ -190,7 +190,7 @@ impl Node {
         })
     }
 
-    /// The place of the value at a dotted path, or of the innermost table around it that was given.
+    /// The position of the value at a dotted path, or of the innermost given table around it.
     pub fn origin_of(&self, path: &str) -> &Origin {
         let mut node = self;
         for key in path.split('.') {
@@ -202,7 +202,7 @@ impl Node {
         &node.origin
     }
 
-    /// What the value is, in words.
+    /// What the value is, for messages.
     pub fn describe(&self) -> String {
         match &self.value {
             Value::Table(_) => "a table".into(),

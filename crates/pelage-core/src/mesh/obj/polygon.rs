@@ -1,4 +1,4 @@
-//! Polygons to triangles.
+//! Cuts polygons into triangles.
 
 use glam::{DVec2, DVec3, Vec3};
 
@@ -48,7 +48,7 @@ fn project(corners: &[Vec3]) -> (Vec<DVec2>, bool) {
     (points.iter().map(|p| DVec2::new(p.dot(u), p.dot(v))).collect(), false)
 }
 
-/// Sine of the turn at b on the way a, b, c; positive to the left; 0 where points coincide.
+/// Sine of the turn at b along a, b, c: positive to the left, 0 if points coincide.
 fn turn(a: DVec2, b: DVec2, c: DVec2) -> f64 {
     let (d, e) = (b - a, c - b);
     d.perp_dot(e) / (d.length() * e.length()).max(f64::MIN_POSITIVE)
@@ -60,7 +60,7 @@ fn clip_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) {
     while left.len() > 3 {
         let n = left.len();
         let corner = |i: usize| [left[(i + n - 1) % n], left[i % n], left[(i + 1) % n]];
-        // Where no ear is left (the polygon crosses itself) the sharpest left turn is cut all the same.
+        // If no ear is left (the polygon crosses itself), the sharpest left turn is cut nevertheless.
         let ear = (at..at + n).find(|i| is_ear(points, &left, corner(*i))).unwrap_or_else(|| {
             let sharpness = |i: &usize| {
                 let [a, b, c] = corner(*i);
@@ -70,7 +70,7 @@ fn clip_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) {
         });
         out.push(corner(ear));
         left.remove(ear % n);
-        // Going on two corners further spreads the cuts, where always taking the next would make a fan of slivers.
+        // Advancing by two corners spreads the cuts; always taking the next would make a fan of slivers.
         at = (ear % n + 1) % (n - 1);
     }
     out.push([left[0], left[1], left[2]]);

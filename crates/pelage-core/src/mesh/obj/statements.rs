@@ -1,6 +1,6 @@
 //! The lexical layer of OBJ: bytes to statements.
 
-/// Walks over the statements of an OBJ file. Works on bytes, so that a comment or a name in any encoding does no harm.
+/// Iterates over the statements of an OBJ file. It works on bytes, so that comments and names may have any encoding.
 pub(super) struct Statements<'a> {
     rest: &'a [u8],
     line: usize,
@@ -32,7 +32,7 @@ impl<'a> Statements<'a> {
         Some((first, &self.joined))
     }
 
-    /// The next line without its comment or final backslash, and whether it goes on in the next line. A comment ends
+    /// The next line without its comment or final backslash, and whether it continues in the next line. A comment ends
     /// with its line, so that `# C:\models\` does not swallow the next one.
     fn physical_line(&mut self) -> Option<(&'a [u8], bool)> {
         if self.rest.is_empty() {

@@ -1,4 +1,4 @@
-//! An animal of the marten kind, standing: an implicit surface, polygonised and evened out.
+//! A standing marten-like animal: an implicit surface, polygonised and relaxed.
 
 use super::UV_CM;
 use crate::mesh::{Mesh, smoothed_normals};
@@ -6,7 +6,7 @@ use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
 /// A limb: the surface at the radii `from.1` to `to.1` around the segment from `from.0` to `to.0`; `blend` is the
-/// width over which it melts into the others. All cm; +x is forwards, y up from the ground. Mirrored at z = 0.
+/// width over which it blends into the others. All cm; +x is forwards, y up from the ground. Mirrored at z = 0.
 struct Limb {
     from: ([f32; 3], f32),
     to: ([f32; 3], f32),
@@ -47,7 +47,7 @@ const LIMBS: [Limb; 21] = [
     limb([-11.0, 3.0, 0.0], 0.74, [-12.0, 2.9, 0.0], 0.4, 0.2),
 ];
 
-/// About the distance to the surface, cm, negative inside: a smooth union of the limbs.
+/// Approximate signed distance to the surface, cm, negative inside: a smooth union of the limbs.
 fn field(p: Vec3) -> f32 {
     let p = Vec3::new(p.x, p.y, p.z.abs());
     LIMBS.iter().fold(f32::MAX, |d, limb| {
@@ -75,7 +75,7 @@ fn gradient(p: Vec3) -> Vec3 {
 const CELL: f32 = 0.32;
 /// Length of the finished body from nose to tail, cm.
 const LENGTH: f32 = 20.0;
-/// Rounds of evening out.
+/// Rounds of relaxation.
 const ROUNDS: usize = 24;
 
 /// The critter: closed, one part, about 20 cm long, feet down, nose towards +x.
@@ -96,8 +96,8 @@ pub(super) fn critter() -> Mesh {
     scaled_with_uv(mesh)
 }
 
-/// Moves each vertex along the surface towards the middle of the triangles around it, by area, so that small ones
-/// grow; then back onto the surface.
+/// Relaxation: moves each vertex along the surface towards the area-weighted centre of the triangles around it, so that small ones
+/// grow, then back onto the surface.
 fn even_out(positions: &mut [Vec3], triangles: &[[u32; 3]]) {
     let normals = smoothed_normals(positions, triangles);
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); positions.len()];

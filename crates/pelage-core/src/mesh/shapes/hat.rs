@@ -29,7 +29,7 @@ const PROFILE: [[f32; 2]; 15] = [
 const AROUND: u32 = 64;
 /// Bands of quads between the outer rings.
 const BANDS: u32 = 42;
-/// Vertices of the rings around the pole: fewer and fewer, so that no triangle is pinched. The rings, the pole and the
+/// Vertices of the rings around the pole: fewer towards it, so that no triangle is pinched. The rings, the pole and the
 /// innermost ring of `AROUND` make 256 triangles, as many as two bands: together 2 x 64 x 44.
 const CAP: [u32; 5] = [6, 12, 18, 24, 36];
 /// Radius of the innermost ring of `AROUND`, cm along the profile.
@@ -86,12 +86,12 @@ pub(super) fn hat() -> Mesh {
     centered(mesh)
 }
 
-/// Triangles between two rings of the same angles or not: corners as (on the outer ring, number on the ring, from 0 to
-/// its count). Going around, the ring whose next vertex is nearer takes the step; ties alternate.
+/// Triangles between two rings, which may have different numbers of vertices: corners as (on the outer ring, index on the ring, from 0 to
+/// its count). Around the rings, the one whose next vertex is nearer takes the next step; ties alternate.
 fn band(inner: u32, outer: u32, odd: u32) -> Vec<[(bool, u32); 3]> {
     let (mut i, mut o) = (0, 0);
     let mut triangles = Vec::with_capacity((inner + outer) as usize);
-    // A ring of one vertex is the pole: it never steps.
+    // The pole is a ring of one vertex: it never steps.
     let steps = if inner == 1 { 0 } else { inner };
     while i < steps || o < outer {
         // Compares the middles of the next steps of both rings, as fractions of the circle.
