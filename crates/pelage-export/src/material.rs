@@ -7,6 +7,7 @@ use pelage_core::Scene;
 use pelage_core::scene::{FibreModel, Shading};
 use pelage_fur::Layer;
 use pelage_fur::fibre::Absorption;
+use pelage_fur::fibre::{azimuthal_scale, longitudinal_variance};
 use std::f32::consts::PI;
 
 /// Parameters of a hair in Chiang's model.
@@ -54,18 +55,6 @@ pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     Absorption::by_color(beta_n).of(color)
 }
 
-/// Longitudinal variance of a roughness, radians².
-// [Chiang2016] eq. 7
-pub fn variance(beta_m: f32) -> f32 {
-    (0.726 * beta_m + 0.812 * beta_m * beta_m + 3.7 * beta_m.powi(20)).powi(2)
-}
-
-/// Scale of the logistic distribution of an azimuthal roughness, radians.
-// [Chiang2016] eq. 8
-pub fn logistic_scale(beta_n: f32) -> f32 {
-    (PI / 8.0).sqrt() * (0.265 * beta_n + 1.194 * beta_n * beta_n + 5.372 * beta_n.powi(22))
-}
-
 /// Inverse of the increasing function `f` on 0..1, by bisection.
 fn inverse(f: impl Fn(f32) -> f32, wanted: f32) -> f32 {
     let (mut low, mut high) = (0.0, 1.0);
@@ -78,12 +67,12 @@ fn inverse(f: impl Fn(f32) -> f32, wanted: f32) -> f32 {
 
 /// The longitudinal roughness whose reflection has the standard deviation `sigma`, radians.
 pub fn beta_m_of(sigma: f32) -> f32 {
-    inverse(variance, sigma * sigma)
+    inverse(longitudinal_variance, sigma * sigma)
 }
 
 /// The azimuthal roughness whose logistic distribution has the standard deviation `sigma`, radians.
 pub fn beta_n_of(sigma: f32) -> f32 {
-    inverse(logistic_scale, sigma * 3f32.sqrt() / PI)
+    inverse(azimuthal_scale, sigma * 3f32.sqrt() / PI)
 }
 
 /// The material of a layer of `scene`.
@@ -151,8 +140,8 @@ mod tests {
     #[test]
     fn roughness_is_found_again() {
         for beta in [0.05, 0.2, 0.5, 0.9] {
-            assert!((beta_m_of(variance(beta).sqrt()) - beta).abs() < 1e-4, "{beta}");
-            let sigma = logistic_scale(beta) * PI / 3f32.sqrt();
+            assert!((beta_m_of(longitudinal_variance(beta).sqrt()) - beta).abs() < 1e-4, "{beta}");
+            let sigma = azimuthal_scale(beta) * PI / 3f32.sqrt();
             assert!((beta_n_of(sigma) - beta).abs() < 1e-4, "{beta}");
         }
     }

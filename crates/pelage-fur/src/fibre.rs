@@ -15,7 +15,7 @@ mod packed;
 mod sadeghi;
 pub mod table;
 
-pub use chiang::{Absorption, Chiang, DARKEST};
+pub use chiang::{Absorption, Chiang, DARKEST, azimuthal_scale, longitudinal_variance};
 pub use kajiya_kay::KajiyaKay;
 pub use medulla::Medulla;
 pub use packed::MODELS;
@@ -247,4 +247,10 @@ impl Fibre {
             Self::Medulla(model) => model.pdf(hit, a),
         }
     }
+}
+
+/// Azimuth of a hair's glints, 30 to 45 degrees by a uniform number, radians.
+// [Sadeghi2010]
+pub fn glint_angle(u: f32) -> f32 {
+    (30.0 + 15.0 * u).to_radians()
 }

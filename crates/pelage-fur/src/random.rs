@@ -3,6 +3,7 @@
 use glam::{Vec2, Vec3};
 
 /// The "lowbias32" integer hash.
+#[inline]
 pub fn hash(value: u32) -> u32 {
     let mut x = value;
     x = (x ^ (x >> 16)).wrapping_mul(0x7feb_352d);
@@ -11,16 +12,19 @@ pub fn hash(value: u32) -> u32 {
 }
 
 /// Hash of an ordered pair.
+#[inline]
 pub fn hash2(a: u32, b: u32) -> u32 {
     hash(a ^ hash(b.wrapping_add(0x9e37_79b9)))
 }
 
 /// Uniform in 0..1 (1 excluded) with 24 bits.
+#[inline]
 pub fn unit_float(h: u32) -> f32 {
     (h >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
 /// The `k`-th uniform number of a seed.
+#[inline]
 pub fn random(seed: u32, k: u32) -> f32 {
     unit_float(hash2(seed, k))
 }
@@ -45,6 +49,7 @@ pub fn even_barycentric(u: Vec2) -> Vec3 {
 }
 
 /// Uniform on the unit sphere; takes the numbers `k` and `k + 1` of the seed.
+#[inline]
 pub fn random_direction(seed: u32, k: u32) -> Vec3 {
     let z = 1.0 - 2.0 * random(seed, k);
     let phi = std::f32::consts::TAU * random(seed, k.wrapping_add(1));

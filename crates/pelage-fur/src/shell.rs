@@ -68,6 +68,7 @@ pub enum Located {
 
 impl Shell {
     /// The place at the skin of corner 0 of a prism.
+    #[inline]
     pub fn enter(&self, index: u32) -> Place {
         let prism = self.prisms[index as usize];
         let [a, b, c] = prism.vertices.map(|v| self.vertices[v as usize]);
@@ -99,6 +100,7 @@ impl Shell {
 
     /// Solves for t and lambda of point `x` (cm) in the place's prism, Newton from the place's t; `ray` is the
     /// direction for `dt_dz`.
+    #[inline]
     pub fn solve(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) {
         let highest = 1.5 * self.light_reach;
         let not_zero = |s: f32| if s.abs() < 1e-12 { -1e-12 } else { s };
@@ -122,6 +124,7 @@ impl Shell {
 
     /// Finds `x`, hopping over the most negative barycentric coordinate.
     /// DEVIATION: Andersen et al. 2016, sec. 3.2 names the closest edge.
+    #[inline]
     pub fn locate(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) -> Located {
         self.locate_by(place, x, ray, iterations, |place, _| most_negative(place.lambda))
     }
@@ -166,18 +169,21 @@ pub fn most_negative(lambda: Vec3) -> usize {
 
 impl Place {
     /// The forward map x(t, lambda) = sum lambda_k (p_k + t v_k), cm.
+    #[inline]
     pub fn point(&self, t: f32, lambda: Vec3) -> Vec3 {
         let skin = self.p0 + lambda.y * self.e1 + lambda.z * self.e2;
         skin + t * self.extrusion(lambda)
     }
 
     /// From the skin to the shell's top, cm.
+    #[inline]
     pub fn extrusion(&self, lambda: Vec3) -> Vec3 {
         self.v0 + lambda.y * self.w1 + lambda.z * self.w2
     }
 
     /// How densely hairs of direction `tangent` stand at height `t`, relative to the skin: they spread over a layer of another area,
     /// and the area across them is smaller than that of the layer where they lean.
+    #[inline]
     pub fn crowding(&self, t: f32, tangent: Vec3) -> f32 {
         let skin = self.e1.cross(self.e2).length();
         let layer = (self.e1 + t * self.w1).cross(self.e2 + t * self.w2);

@@ -14,11 +14,13 @@ impl Field {
     }
 
     /// Noise in the plane.
+    #[inline]
     pub fn simplex2(&self, p: Vec2) -> f32 {
         self.0.get([f64::from(p.x), f64::from(p.y)]) as f32
     }
 
     /// Noise in space.
+    #[inline]
     pub fn simplex3(&self, p: Vec3) -> f32 {
         self.0.get([f64::from(p.x), f64::from(p.y), f64::from(p.z)]) as f32
     }

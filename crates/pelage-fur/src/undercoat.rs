@@ -152,6 +152,7 @@ impl Undercoat<'_> {
     }
 
     /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
+    #[inline]
     pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
         let fur = self.parameters;
         let lean = Vec3::from(fur.lean) * (fur.height * t);
@@ -180,6 +181,7 @@ impl Undercoat<'_> {
     }
 
     /// Point of the noise's domain below barycentric coordinates of the place's prism: on the skin, cm, or uv.
+    #[inline]
     pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
         if self.parameters.noise_domain == 1 {
             let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);

@@ -43,7 +43,7 @@ pub(super) fn grow(
             hairs.push(Hair {
                 color_root: maps.color(Parameter::GuardColorRoot, &at) * tone,
                 color_tip: maps.color(Parameter::GuardColorTip, &at) * tone,
-                glint_angle: (30.0 + 15.0 * random(root.seed, 7)).to_radians(),
+                glint_angle: pelage_fur::fibre::glint_angle(random(root.seed, 7)),
                 present,
             });
             points.extend(strand.vertices(groom).into_iter().map(|v| position(v).extend(radius(v))));

@@ -214,7 +214,7 @@ impl<'a> Grower<'a> {
         Some(Hair {
             color_root: color(Parameter::UndercoatColorRoot),
             color_tip: color(Parameter::UndercoatColorTip),
-            glint_angle: (30.0 + 15.0 * random(seed, 7)).to_radians(),
+            glint_angle: pelage_fur::fibre::glint_angle(random(seed, 7)),
             present,
         })
     }

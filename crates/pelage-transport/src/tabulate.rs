@@ -148,7 +148,7 @@ fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
                 let random = |dimension| sample(k, dimension, i as u32);
                 let hit = Hit {
                     tint: Vec3::splat(albedo(i / COSINES)),
-                    glint_angle: (30.0 + 15.0 * random(5)).to_radians(),
+                    glint_angle: pelage_fur::fibre::glint_angle(random(5)),
                     h: 2.0 * random(4) - 1.0,
                 };
                 if let Some(s) = fibre.sample(&hit, wo, [0, 1, 2, 3].map(random)) {

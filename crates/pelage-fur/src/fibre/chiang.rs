@@ -68,12 +68,24 @@ struct Within {
     fresnel: f32,
 }
 
+/// Longitudinal variance for a roughness of 0..1.
+// [Chiang2016] eq. 7
+pub fn longitudinal_variance(roughness: f32) -> f32 {
+    (0.726 * roughness + 0.812 * roughness.powi(2) + 3.7 * roughness.powi(20)).powi(2)
+}
+
+/// Scale of the logistic distribution of the azimuth for a roughness of 0..1, radians.
+// [Chiang2016] eq. 8
+pub fn azimuthal_scale(roughness: f32) -> f32 {
+    (PI / 8.0).sqrt() * (0.265 * roughness + 1.194 * roughness.powi(2) + 5.372 * roughness.powi(22))
+}
+
 impl Chiang {
     /// By longitudinal and azimuthal roughness in 0..1 and the tilt of the scales in radians.
     // [Chiang2016] eq. 7 and 8, [Pharr2023] sec. 9.9
     pub fn new([along, around]: [f32; 2], tilt: f32, ior: f32, absorption: Option<Vec3>) -> Self {
-        let v = (0.726 * along + 0.812 * along.powi(2) + 3.7 * along.powi(20)).powi(2);
-        let scale = (PI / 8.0).sqrt() * (0.265 * around + 1.194 * around.powi(2) + 5.372 * around.powi(22));
+        let v = longitudinal_variance(along);
+        let scale = azimuthal_scale(around);
         Self {
             ior,
             variance: [v, 0.25 * v, 4.0 * v, 4.0 * v],

@@ -38,7 +38,7 @@ pub fn shade(
     let at = skin_point(shell, root.prism, lambda);
     let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
     let ends = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at) * tone);
-    let glint_angle = (30.0 + 15.0 * random(root.seed, 7)).to_radians();
+    let glint_angle = pelage_fur::fibre::glint_angle(random(root.seed, 7));
     let mut place = shell.enter(root.prism);
     let mut inside = true;
     let mut shades = Vec::new();
