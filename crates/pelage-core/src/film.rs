@@ -8,6 +8,7 @@ pub mod depth_of_field;
 pub mod exr;
 pub mod filter;
 pub mod io;
+mod limits;
 pub mod metadata;
 pub mod png;
 pub mod resample;

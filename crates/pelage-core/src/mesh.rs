@@ -133,3 +133,9 @@ fn place(skin: &mut Skin, spec: &MeshSpec) -> Result<(), String> {
 
 /// Largest coordinate, cm: beyond it, squares of areas overflow f32.
 const MAX_COORDINATE: f32 = 1e8;
+
+impl From<Mesh> for Skin {
+    fn from(mesh: Mesh) -> Self {
+        skin_of(mesh)
+    }
+}

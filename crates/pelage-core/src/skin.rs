@@ -1,6 +1,5 @@
 //! The skin: the surface that carries the fur.
 
-use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
 
 /// Index of a missing neighbour: the edge is a boundary.
@@ -62,11 +61,5 @@ impl Skin {
             .fold((Vec3::splat(f32::INFINITY), Vec3::splat(f32::NEG_INFINITY)), |(lo, hi), p| {
                 (lo.min(*p), hi.max(*p))
             })
-    }
-}
-
-impl From<Mesh> for Skin {
-    fn from(mesh: Mesh) -> Self {
-        crate::mesh::skin_of(mesh)
     }
 }

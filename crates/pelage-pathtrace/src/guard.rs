@@ -1,6 +1,6 @@
 //! The guard hairs that the renderer draws, grown by the CPU twins of its shaders.
 
-use super::grow::Patch;
+use super::patch::Patch;
 use super::strands::{Hair, Strands};
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;

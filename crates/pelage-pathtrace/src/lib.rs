@@ -28,6 +28,7 @@ mod guard;
 pub mod integrator;
 pub mod light;
 mod memory;
+mod patch;
 pub mod random;
 pub mod resume;
 mod segments;

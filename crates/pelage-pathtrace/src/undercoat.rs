@@ -4,7 +4,7 @@
 //! volume's tangents up through the prism shell. It has a random threshold of its own, and its segments are present where the volume's
 //! density is above it. So the mean number of hairs at a place is the volume's density there, and hairs end where the density falls.
 
-use super::grow::Patch;
+use super::patch::Patch;
 use super::strands::{Hair, Strands};
 use glam::{Vec3, Vec4};
 use pelage_core::World;

@@ -1,6 +1,6 @@
 //! The planes of a film: their names, and the copying of a tile's pixels into them.
 
-use crate::tile::Job;
+use crate::job::Job;
 use pelage_core::film::{Film, Plane};
 
 /// Copies a tile's planes into the film.

@@ -3,13 +3,15 @@
 mod bins;
 mod size;
 
-use crate::driver::{RenderOptions, marches_in_resolve};
+use crate::job::Job;
+use crate::options::RenderOptions;
 use crate::plan::SamplePlan;
 use crate::planes::write_tile;
 use crate::prepare::Prepared;
 use crate::tile_buffers::{FRAGMENT_BYTES, TileBuffers};
 use bins::{Bins, StrandRaster};
 use pelage_core::film::Film;
+use pelage_core::scene::Blend;
 use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, World};
 use pelage_fur::groom;
@@ -21,39 +23,6 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Smallest edge of a tile in pixels; a tile that small that still does not fit is an error.
 const SMALLEST: u32 = 4;
-
-/// A rectangle of pixels, and the bin of strands that may touch it.
-#[derive(Debug, Clone, Copy)]
-pub struct Job {
-    /// First pixel.
-    pub origin: [u32; 2],
-    /// Pixels.
-    pub size: [u32; 2],
-    bin: u32,
-}
-
-impl Job {
-    /// Tiles of `edge` pixels that cover a film of `size` pixels, row by row; only the parts within `crop` (x0 x1 y0 y1 in 0..1).
-    pub fn grid(size: [u32; 2], edge: u32, crop: Option<[f32; 4]>) -> Vec<Self> {
-        let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
-        let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;
-        let low = [pixel(x0, size[0]), pixel(y0, size[1])];
-        let high = [pixel(x1, size[0]), pixel(y1, size[1])];
-        let grid = size.map(|s| s.div_ceil(edge));
-        let mut jobs = Vec::new();
-        for y in 0..grid[1] {
-            for x in 0..grid[0] {
-                let origin = [(x * edge).max(low[0]), (y * edge).max(low[1])];
-                let end = [((x + 1) * edge).min(high[0]), ((y + 1) * edge).min(high[1])];
-                if origin[0] < end[0] && origin[1] < end[1] {
-                    let size = [end[0] - origin[0], end[1] - origin[1]];
-                    jobs.push(Self { origin, size, bin: y * grid[0] + x });
-                }
-            }
-        }
-        jobs
-    }
-}
 
 /// The tiles of an image and the buffers that they share.
 pub struct Tiles<'a> {
@@ -181,7 +150,7 @@ impl<'a> Tiles<'a> {
         let capacity = self.buffers.capacity(samples)?;
         let pixels = gpu.storage("pixels", 7, count * u64::from(self.planes) * 4)?;
         let targets = self.buffers.targets(size);
-        let exact = marches_in_resolve(scene.render.blend);
+        let exact = scene.render.blend == Blend::Exact;
         let (mut fragments, mut rays_lost, mut longest) = (0, 0, 0);
         for pass in 0..self.plan.passes.len() {
             if self.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {

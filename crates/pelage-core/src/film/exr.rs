@@ -1,6 +1,6 @@
 //! OpenEXR: all planes, linear, half float for colours and 32-bit float for the rest.
 
-use super::{Film, Metadata, Plane, io::check_size};
+use super::{Film, Metadata, Plane, limits::check_size};
 use crate::files::Failure;
 use ::exr::{
     image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},

@@ -1,5 +1,7 @@
 //! Writes films (atomically) and reads them back.
 
+pub use super::limits::{MAX_PIXELS, MAX_VALUES};
+use super::limits::{Texels, check_size};
 use super::{Film, Metadata, exr, png};
 use crate::files::{Failure, check_target, write_atomically, write_buffered};
 use crate::scene::FilmSpec;
@@ -10,13 +12,6 @@ use std::{
     panic::{AssertUnwindSafe, catch_unwind},
     path::Path,
 };
-
-/// Largest number of pixels of an image that is read: 16,384 x 16,384. Checked against the header before anything
-/// is allocated.
-pub const MAX_PIXELS: u64 = 1 << 28;
-
-/// Largest number of values (pixels times channels) of an image that is read: 4 GiB as 32-bit floats.
-pub const MAX_VALUES: u64 = 1 << 30;
 
 /// Image formats by file name extension.
 #[derive(Clone, Copy, PartialEq, Eq)]
@@ -121,9 +116,6 @@ fn as_scene_fault(error: Error) -> Error {
     }
 }
 
-/// Width, height and RGBA texels row by row from the top, with straight alpha.
-pub(crate) type Texels = (u32, u32, Vec<[f32; 4]>);
-
 /// Reads an image that a scene names, with straight alpha. As a `color`, a PNG is decoded from sRGB and premultiplied formats are divided
 /// by alpha; otherwise the values are as the file has them, those of a PNG scaled to 0..1.
 ///
@@ -177,27 +169,6 @@ fn decode<T>(
         }
         Err(_) => Err(Error::io(path, "cannot be read as an image: the decoder failed on damaged data")),
     }
-}
-
-/// Checks a header's size before anything of that size is allocated.
-pub(super) fn check_size(width: u64, height: u64, channels: u64) -> Result<(), Failure> {
-    if width == 0 || height == 0 {
-        return Err(format!("found a header with {width} x {height} pixels, expected one or more").into());
-    }
-    let pixels = width.saturating_mul(height);
-    if width > u64::from(u32::MAX) || height > u64::from(u32::MAX) || pixels > MAX_PIXELS {
-        return Err(format!(
-            "found a header with {width} x {height} pixels, expected at most the limit of {MAX_PIXELS} (16384 x 16384)"
-        )
-        .into());
-    }
-    if pixels.saturating_mul(channels) > MAX_VALUES {
-        return Err(format!(
-            "found a header with {width} x {height} pixels of {channels} channels, expected at most the limit of {MAX_VALUES} values"
-        )
-        .into());
-    }
-    Ok(())
 }
 
 /// Decodes Radiance RGBE.

@@ -2,7 +2,7 @@
 
 use super::{
     Film, Metadata,
-    io::{MAX_PIXELS, Texels, check_size},
+    limits::{MAX_PIXELS, Texels, check_size},
     tonemap::{clamped, display_rgb8, srgb_decode},
 };
 use crate::files::Failure;
