@@ -128,7 +128,8 @@ fn dispatch(cli: &Cli) -> Result<()> {
 
 fn start_logging(quiet: bool) {
     use tracing_subscriber::EnvFilter;
-    let default = if quiet { "error" } else { "pelage=warn,error" };
+    // OpenGL is only one of the backends that are tried: that it has no driver is no error.
+    let default = if quiet { "error,wgpu_hal::gles=off" } else { "pelage=warn,error,wgpu_hal::gles=off" };
     let filter = EnvFilter::try_from_default_env().unwrap_or_else(|_| EnvFilter::new(default));
     // A subscriber that is already set stays.
     let _ = tracing_subscriber::fmt()

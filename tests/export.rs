@@ -416,7 +416,7 @@ fn errors_say_what_cannot_be_written() {
     let file = folder.write("file", "");
     for (place, code) in [(file.clone(), 1), (folder.at("none/deeper"), 1), (format!("{file}/under"), 1)] {
         let args = ["export", "tests/data/small.toml", "--to", "usd", "-o", &place];
-        pelage(&args).expect(code, &[&place, "cannot be made"]);
+        pelage(&args).expect(code, &[&place, "cannot be created"]);
     }
     pelage(&["export", "tests/data/small.toml", "--to", "usd"]).expect(2, &["--folder"]);
     pelage(&["export", "tests/data/small.toml", "--to", "pov", "-o", "x"]).expect(2, &["mitsuba", "blender"]);
