@@ -155,6 +155,7 @@ fn taps(radius: f32, grid: u32) -> u32 {
 }
 
 /// Area-preserving map from the unit square to the unit disc.
+// [Pharr2023]
 fn disc(u: Vec2) -> Vec2 {
     Vec2::from_angle(std::f32::consts::TAU * u.y) * u.x.sqrt()
 }

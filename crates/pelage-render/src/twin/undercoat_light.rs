@@ -1,5 +1,5 @@
-//! Oracle for `shaders/undercoat_light.wgsl`: optical depths by a separate march from each place through the medium itself, without
-//! the lattice's undercoat.
+//! Oracle for `shaders/undercoat_light.wgsl`: optical depths by a separate march from each place through the undercoat's medium
+//! itself; only guard hairs are read from the lattice.
 
 use crate::twin::lattice;
 use glam::Vec3;
@@ -18,7 +18,7 @@ pub struct Attenuator<'a> {
     pub fur: &'a FurParameters,
     /// The undercoat.
     pub undercoat: Undercoat<'a>,
-    /// Density of the undercoat below each column, relative to the mean.
+    /// Density of the undercoat at each column, relative to `fur.undercoat.density`.
     pub densities: &'a [f32],
     /// Projected extinction by guard hairs at the nodes of the lattice, 1/cm.
     pub guard: &'a [f32],
