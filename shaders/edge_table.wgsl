@@ -1,5 +1,5 @@
 // Step 1: neighbours of the triangles over their edges, [Andersen2016] sec. 3.2. A hash table over
-// 64-bit keys of directed edges: `insert` enters every edge counter-clockwise, `lookup` finds the
+// 64-bit keys of directed edges: `insert` enters every edge in counter-clockwise direction, `lookup` finds the
 // reversed key. A slot holds the number of the edge that came first; its key is read from the
 // triangles, so that no 64-bit atomics are needed.
 // In: `triangles`, three vertices each. Out: `neighbours`, the triangle over the edge opposite each
@@ -7,7 +7,7 @@
 
 struct EdgeCounts {
     edges: u32,
-    mask: u32, // slots - 1, a power of two less one
+    mask: u32, // number of slots - 1; that number is a power of two
 }
 
 @group(0) @binding(1) var<uniform> edge_counts: EdgeCounts;
@@ -20,7 +20,8 @@ struct EdgeCounts {
 #import shared/random
 #import shared/index
 
-// Directed edge opposite corner k of a triangle: from corner k + 1 to corner k + 2.
+// Vertices of a directed edge. Edge 3 t + k of triangle t is opposite corner k: from corner k + 1 to
+// corner k + 2.
 fn edge_key(edge: u32) -> vec2u {
     let base = edge - edge % 3u;
     let k = edge % 3u;

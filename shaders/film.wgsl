@@ -1,6 +1,6 @@
 // Step 7: film samples to pixels, by a separable reconstruction filter over the sample grid. The
 // sum runs in a fixed order, so that the result does not depend on threads.
-// In: `samples` (shared/film_sample), the filter's weights. Out: `pixels`, plane by plane: linear
+// In: `samples` (shared/film_sample), the filter's weights in `reconstruction`. Out: `pixels`, plane by plane: linear
 // RGB and alpha; guard hairs, undercoat, skin; normal; transmittance; fragments; depth (cm) times
 // opacity, and opacity.
 
@@ -9,10 +9,10 @@ struct Reconstruction {
     pixels: vec2u,          // of the tile
     grid: u32,              // samples along a pixel's edge
     reach: i32,             // samples on either side of a pixel's first sample
-    taps: u32,
-    planes: u32,            // how many are written: 4 or all 20
-    accumulate: u32,        // 1: adds to the pixels
-    scale: f32,
+    taps: u32,              // samples per axis that the filter reads
+    planes: u32,            // number of planes written: 4 or all 20
+    accumulate: u32,        // 1: adds to `pixels`, 0: overwrites them
+    scale: f32,             // 1 / passes over the image
     padding: vec2u,
     weights: array<vec4f, 32>, // taps, four per vector
 }

@@ -2,7 +2,7 @@
 // `count` sizes the bins and `fill` writes them; the order within a bin does not matter. Where the
 // strands exceed the memory budget, `gather` picks the roots whose strands may touch one tile, and
 // only those are grown.
-// In: `strand_vertices` (cm) or `roots`. Out: `bin_counts`, `bins`, `tile_roots`.
+// In: `tile_grid`, `strand_vertices` (cm) or `roots`. Out: `bin_counts`, `bins`, `tile_roots`.
 
 struct TileGrid {
     origin: vec2i,   // of the grid, samples
@@ -31,7 +31,7 @@ struct TileGrid {
 #import shared/skin
 #import shared/strands
 
-// First and last tile that a strand touches; last < first where it touches none.
+// First and last tile that a strand touches, x and y each; last < first if it touches none.
 fn touched(strand: u32) -> vec4i {
     let first = strand * (groom.segments + 1u);
     var low = vec2f(1e30);

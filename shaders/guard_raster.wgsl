@@ -42,9 +42,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let shade_a = unpack_half4(shades[at]);
     let shade_b = unpack_half4(shades[at + 1u]);
     if shade_a.w > 0.5 && shade_b.w > 0.5 {
-        return; // hidden from the eye
+        return; // hidden from the camera
     }
-    // A hidden end has no shade of its own.
+    // A hidden end is not shaded: the other end's shade is used.
     let color_a = select(shade_a.xyz, shade_b.xyz, shade_a.w > 0.5);
     let color_b = select(shade_b.xyz, color_a, shade_b.w > 0.5);
     let va = strand_vertices[at];
@@ -52,7 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var a = film_from_world(va.xyz);
     var b = film_from_world(vb.xyz);
     if a.z <= frame.near || b.z <= frame.near {
-        return; // crosses the near plane: the eye is inside the fur
+        return; // crosses the near plane: the camera is inside the fur
     }
     let radius_a = strand_radius(va) * samples_per_slope() / a.z;
     let radius_b = strand_radius(vb) * samples_per_slope() / b.z;

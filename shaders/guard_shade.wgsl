@@ -1,8 +1,8 @@
 // Step 3: shading of the guard hairs, once at each strand vertex for all lights. Each strand is
 // followed through the prism shell to look up the optical depths towards each light and towards the
-// eye in the lattice.
-// In: `strand_vertices` (cm), `tau`, the scattering tables, groom and lights. Out: `shades`, linear
-// RGB radiance towards the eye.
+// camera in the lattice.
+// In: `roots`, `strand_vertices` (cm), `tau`, `response_table`, groom and lights. Out: `shades`,
+// linear RGB radiance towards the camera.
 
 @group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
@@ -16,7 +16,7 @@
 @group(0) @binding(10) var<storage, read> roots: array<Root>;
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
-// Four halves: radiance; 1 where hidden.
+// Four halves: radiance; 1 if hidden.
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>;
 @group(0) @binding(14) var table_sampler: sampler;
 @group(0) @binding(15) var field_table: texture_2d_array<f32>;
@@ -42,10 +42,10 @@
 #import shared/transport
 #import shared/dual
 
-// Optical depth towards the eye beyond which a vertex counts as hidden and is not shaded.
+// Optical depth towards the camera beyond which a vertex counts as hidden and is not shaded.
 const HIDDEN_TAU: f32 = 14.0;
 
-// Least optical depth towards the eye at the cell's corners.
+// Least optical depth towards the camera at the cell's corners.
 fn eye_tau(cell: LatticeCell) -> f32 {
     var least = TAU_BLOCKED;
     for (var k = 0u; k < 3u; k++) {
@@ -100,13 +100,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let tangent = strand_tangent(first, k, groom.segments);
         let view = to_eye(x);
         let s = f32(k) / f32(groom.segments);
-        let tint = clamp(mix(color_root, color_tip, tip_share(s)), vec3f(0.0), vec3f(1.0));
+        let albedo = clamp(mix(color_root, color_tip, tip_share(s)), vec3f(0.0), vec3f(1.0));
         if inside {
             inside = locate(&place, x, tangent, 3u) == INSIDE;
         }
         if !inside {
-            // Outside the border of the skin, or where the shell folds: the column above the root,
-            // at the height of the vertex.
+            // Beyond the border of the skin, or where the shell folds: use the column above the
+            // root, at the height of the vertex.
             place = root_place;
             place.t = max(0.0, dot(x - at.position, at.normal) * inverse_height);
         }
@@ -118,18 +118,18 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         var radiance = vec3f(0.0);
         for (var j = 0u; j < fur.lights.count; j++) {
             let depth = select(0.0, cell_tau(cell, j), groom.paper == 0u);
-            let through = light_through(depth, tint);
+            let through = light_through(depth, albedo);
             if MULTIPLE == MULTIPLE_DUAL {
                 radiance += lights.lights[j].irradiance
-                    * dual_scatter(ROW_DUAL_GUARD, tint, tangent, lights.lights[j].direction, view, depth);
+                    * dual_scatter(ROW_DUAL_GUARD, albedo, tangent, lights.lights[j].direction, view, depth);
             }
             radiance += lights.lights[j].irradiance * through
-                * scatter_guard(tangent, lights.lights[j].direction, view, tint, glint_angle);
+                * scatter_guard(tangent, lights.lights[j].direction, view, albedo, glint_angle);
         }
         if MULTIPLE == MULTIPLE_TRANSPORT {
             let scattered = scattered_light(cell);
             let normal = normalize(extrusion(&place));
-            radiance += guard_response(tint, tangent, view, normal, scattered[0], scattered[1]);
+            radiance += guard_response(albedo, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {
             // Darkening that grows exponentially towards the skin. [Andersen2016] sec. 3.1

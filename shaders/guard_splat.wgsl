@@ -1,7 +1,8 @@
 // Step 2: extinction at the nodes of the optical-depth lattice. `deposit` adds length times
 // diameter of the guard hairs in fixed point, so that the order of additions does not matter;
 // `normalise` divides by the nodes' volumes and adds the undercoat.
-// In: `strand_vertices` (cm), `columns`. Out: `lattice_extinction` in 1/cm.
+// In: `roots`, `strand_vertices` (cm), `columns`. Out: `deposits` in fixed point (cm2),
+// `lattice_extinction` in 1/cm.
 
 @group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> fur: FurParameters;
@@ -81,7 +82,7 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     let flat = cross(place.e1, place.e2);
     let raised = layer_at(&place, t).n;
     let spread = clamp(length(raised) / max(length(flat), 1e-20), 0.3, 4.0);
-    // The first and the last node of a column stand for half a cell.
+    // The first and the last node of a column represent half a cell.
     let cells = select(1.0, 0.5, level == 0u || level == fur.lattice.levels);
     let volume = columns[column].area * spread * length(extrusion(&place)) * fur.lattice.reach / f32(fur.lattice.levels) * cells;
     let guard = f32(atomicLoad(&deposits[i])) / FIXED_POINT / max(volume, 1e-9);

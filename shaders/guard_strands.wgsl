@@ -1,7 +1,7 @@
 // Step 3: guard hairs as tessellated cubic Bezier curves. [Andersen2016] sec. 2 names Bezier
 // shaping, gravity and grooming by textures; the formulas are ours.
-// In: `roots`, groom parameters and maps. Out: `strand_vertices` (shared/strands), `segments + 1`
-// per strand, in cm.
+// In: `roots`, `groom`, `maps_and_tables`. Out: `strand_vertices` (shared/strands),
+// `groom.segments + 1` per strand, in cm.
 
 @group(0) @binding(1) var<uniform> strand_batch: StrandBatch;
 @group(0) @binding(2) var<uniform> groom: Groom;
@@ -40,7 +40,7 @@ fn to_clump(p: vec3f) -> vec3f {
     return best;
 }
 
-// Diameter at s (0 root, 1 tip), cm: from the root to the widest place to the tip, smooth at the
+// Diameter at s (0 root, 1 tip), cm, interpolated between root, widest place and tip; smooth at the
 // widest place.
 fn diameter(s: f32) -> f32 {
     if s < groom.widest {
@@ -67,7 +67,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
 
     let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
     let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
-    // The random lean is normally distributed along both sides. [BoxMuller1958]
+    // The random lean is normally distributed along both tangential axes. [BoxMuller1958]
     let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
     let phi = TAU * random(seed, 2u);
     let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);

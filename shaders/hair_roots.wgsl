@@ -1,11 +1,11 @@
 // Step 1: roots of the guard hairs with a density map, [VanGelderWilhelms1997], [Andersen2016]
-// sec. 3. Each triangle draws its own number and places from its id, so that the result does not
-// depend on the order of threads.
-// In: skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by `emit`.
+// sec. 3. Number and positions of a triangle's roots are drawn from its id, so that the result
+// does not depend on the order of threads.
+// In: `root_range`, skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by `emit`.
 
 struct RootRange {
-    first: u32,      // triangle
-    count: u32,      // triangles
+    first: u32,      // first triangle
+    count: u32,      // number of triangles
     density: f32,    // largest density, 1/cm2
     seed: u32,
 }
@@ -17,7 +17,7 @@ struct RootRange {
 @group(0) @binding(5) var<storage, read> prisms: array<Prism>;
 @group(0) @binding(6) var<storage, read> corner_uv: array<vec2f>;
 @group(0) @binding(7) var<storage, read_write> root_counts: array<u32>;
-@group(0) @binding(8) var<storage, read> first_roots: array<u32>;
+@group(0) @binding(8) var<storage, read> first_roots: array<u32>; // of each triangle, in `roots`
 @group(0) @binding(9) var<storage, read_write> roots: array<Root>;
 
 #import shared/index
@@ -36,7 +36,7 @@ fn candidates(prism: u32) -> u32 {
 }
 
 // Barycentric coordinates of the k-th candidate: a quasirandom sequence with a random start spreads
-// the roots evenly over the triangle.
+// the roots evenly over the triangle. [Roberts2018]
 fn candidate(prism: u32, k: u32) -> vec3f {
     let seed = hash2(root_range.seed, prism);
     let u = r2_point(random2(seed, 1u), k);

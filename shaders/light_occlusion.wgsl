@@ -1,7 +1,7 @@
 // Step 2: which lights the skin itself blocks outside the shell, once for each column of the
 // lattice: a ray from the lattice's top through a BVH over the skin's triangles (built by obvhs).
-// In: skin triangles, the BVH, directions towards the lights. Out: `blocked` of the columns, one
-// bit a light.
+// In: skin triangles, `bvh_nodes`, `bvh_triangles`, `lights`. Out: `blocked` of `columns`, one bit
+// per light.
 
 struct BvhNode {
     low: vec3f,
@@ -34,7 +34,7 @@ fn hits_box(node: u32, origin: vec3f, inverse: vec3f) -> bool {
     return min(far.x, min(far.y, far.z)) >= max(0.0, max(near.x, max(near.y, near.z)));
 }
 
-// Both sides of a triangle, at positive distances. [MollerTrumbore1997]
+// Whether a ray hits either side of a triangle at a positive distance. [MollerTrumbore1997]
 fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     let v = prisms[triangle].vertices;
     let p0 = shell_vertices[v.x].position;
@@ -52,7 +52,7 @@ fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     return u >= 0.0 && v2 >= 0.0 && u + v2 <= 1.0 && dot(e2, q) > 0.0;
 }
 
-// Whether any triangle lies on the ray; depth-first with a stack.
+// Whether the ray hits any triangle; depth-first traversal with a stack.
 fn blocked(origin: vec3f, ray: vec3f) -> bool {
     let inverse = 1.0 / select(ray, vec3f(1e-12), abs(ray) < vec3f(1e-12));
     var stack: array<u32, 48>;

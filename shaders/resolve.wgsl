@@ -2,8 +2,8 @@
 // the undercoat between them, so that both media attenuate each other at their true depths without
 // virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored: shell
 // fragments with [Andersen2016] eq. 4, virtual fragments as they are.
-// In: `fragment_lists`, the volume, `source` (light at the lattice's nodes), `base_records`.
-// Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`, counters.
+// In: `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's nodes),
+// `base_records`. Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -14,7 +14,7 @@
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
-// Rays lost; longest list.
+// Number of lost rays; length of the longest list.
 @group(0) @binding(10) var<storage, read_write> march_counters: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
 
@@ -40,7 +40,7 @@
 #import shared/base
 #import shared/film_sample
 
-// What a sample gathers from front to back. Contributions are premultiplied.
+// Sums of a sample, composited from front to back. Contributions are premultiplied.
 struct Gathered {
     through: f32,       // transmittance so far
     guard: vec3f,
@@ -50,6 +50,7 @@ struct Gathered {
     fragments: u32,
 }
 
+// Composites the skin behind everything and writes the film sample.
 fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
     let z_base = base_depth(base);
@@ -104,8 +105,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     var place: Place;
     begin_ray(&march, sample_ray(xy));
     let phase = first_phase(xy);
-    // An entry that is met during another interval waits, so that overlapping media are not
-    // counted twice.
+    // An entry met during the march of another interval waits until that ends, so that overlapping
+    // media are not counted twice.
     var waiting = NONE;
     var waiting_z = 0.0;
     var skip_to = 0.0;
@@ -145,8 +146,8 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                     continue;
                 }
             }
-            // The step, split at the fragments within it. What lies behind the batch is not known
-            // yet.
+            // The step, split at the fragments within it. Fragments behind the batch are not known
+            // yet, so the step is not marched beyond it.
             var inside = true;
             while inside {
                 let has_node = next < batch.count;
@@ -186,8 +187,9 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     finish(i, xy, &g);
 }
 
-// Alpha of a shell fragment less what the strands directly behind it take, that is those up to the
-// next shell fragment. [Andersen2016] eq. 4
+// Alpha of a shell fragment, reduced by the strands between it and the next shell fragment.
+// [Andersen2016] eq. 4
+// DEVIATION: each strand counts with its own alpha, and the result is clamped to be non-negative.
 fn simplified_alpha(batch: ptr<function, Batch>, at: u32) -> f32 {
     let color = node_color((*batch).node[at]);
     let z_shell = (*batch).z[at];
@@ -230,8 +232,8 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
                 if fur.undercoat.virtual_fragments == 0u {
-                    // A shell fragment needs the strands behind it: where the batch ends early, the
-                    // list is read again from here.
+                    // A shell fragment needs the strands behind it: unless it is the first of the
+                    // batch or the list ends here, the list is read again from this fragment.
                     if k > 0u && batch.more {
                         read_batch(&batch, i, z_after, source_after - 1u);
                         more = batch.more;

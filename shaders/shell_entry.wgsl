@@ -1,7 +1,8 @@
 // Step 5: where view rays enter the prism shell, [Andersen2016] sec. 3.2: through the top faces,
 // and through walls over the border of an open skin, without which its rim would be bald. The
 // raster stage writes only which prism and how deep.
-// In: `prisms`, `border`, `base_records`. Out: entries in `fragment_lists` (depth in cm).
+// In: `shell_vertices`, `prisms`, `border`, `base_records`. Out: entries in `fragment_lists` (depth
+// in cm).
 
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
@@ -19,15 +20,17 @@
 struct Varying {
     @builtin(position) clip: vec4f,
     @interpolate(flat) @location(0) prism: u32,
-    // Normal, and its dot product with the vector from the eye to a corner.
+    // Normal of the face, and its dot product with the vector from the camera to a corner.
     @interpolate(flat) @location(1) plane: vec4f,
 }
 
+// The plane of a face as in `Varying`.
 fn plane_of(a: vec3f, b: vec3f, c: vec3f) -> vec4f {
     let n = cross(b - a, c - a);
     return vec4f(n, dot(n, a - frame.eye));
 }
 
+// Point of the shell's top above a vertex.
 fn raised(vertex: u32) -> vec3f {
     return shell_vertices[vertex].position + shell_vertices[vertex].height * shell_vertices[vertex].normal;
 }

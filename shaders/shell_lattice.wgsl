@@ -1,6 +1,6 @@
 // Step 2: attributes of the skin below the columns of the optical-depth lattice, read from the
 // maps.
-// In: groom parameters and maps. Out: density factor and packed colours in `columns`.
+// In: `groom`, `maps_and_tables`. Out: density factor and packed colours in `columns`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> groom: Groom;
@@ -25,7 +25,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         return;
     }
     let at = skin_point(columns[i].prism, column_lambda(columns[i].grid));
-    // Relative to the density that is in fur.undercoat.extinction.
+    // Relative to the density from which fur.undercoat.extinction is computed.
     columns[i].density = scalar(UNDERCOAT_DENSITY, at) / fur.undercoat.density;
     columns[i].color_root = pack_albedo(color(UNDERCOAT_COLOR_ROOT, at));
     columns[i].color_tip = pack_albedo(color(UNDERCOAT_COLOR_TIP, at));

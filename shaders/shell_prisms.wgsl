@@ -1,7 +1,7 @@
 // Step 1: the prism shell, extruded along smoothed normals, [Andersen2016] sec. 3 and fig. 3.
 // `fold` finds how far each vertex can be extruded before a prism folds over, `spread` limits the
-// slope of the top, `vertices` extrudes, `prisms_of_triangles` joins the tables.
-// In: `skin_vertices`, height map (cm), `neighbours`. Out: `shell_vertices`, `prisms`.
+// slope of the top, `vertices` extrudes, `prisms_of_triangles` writes the prisms.
+// In: `skin_vertices`, height map (cm), `triangles`, `neighbours`. Out: `shell_vertices`, `prisms`.
 
 struct ShellCounts {
     vertices: u32,
@@ -32,14 +32,15 @@ fn triangle_vertices(t: u32) -> vec3u {
     return vec3u(triangles[3u * t], triangles[3u * t + 1u], triangles[3u * t + 2u]);
 }
 
+// Shell height that the groom asks for at a vertex, cm.
 fn wanted_height(v: u32) -> f32 {
     let s = skin_vertices[v];
     return max(0.0, scalar(UNDERCOAT_HEIGHT, point_of_vertex(s, vertex_uv[v])));
 }
 
-// Where neighbouring normals converge below the wanted height the shell would fold over: the three
-// vertices are lowered until the prism's top keeps a fifth of the skin triangle's area. The last
-// step is a twentieth of the height, so that no spot is bald.
+// Where normals converge below the wanted height, the shell would fold over: the three vertices of
+// the triangle are lowered until the prism's top keeps a fifth of the skin triangle's area. The
+// last step is a twentieth of the height, so that no spot is bald.
 @compute @workgroup_size(64)
 fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
     let t = linear_index(id, groups);
@@ -67,9 +68,9 @@ fn fold(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
 }
 
-// A lowered vertex lowers its surroundings: the shell's top climbs by at most this part of an
-// edge's length, or creases would tear holes. Each round reads one table and takes minima into the
-// other, so that the order of triangles does not show.
+// Largest rise of the shell's top along an edge, relative to the edge's length. `spread` lowers the
+// surroundings of lowered vertices accordingly, or creases would tear holes. Each round reads one
+// table and takes minima into the other, so that the order of triangles does not matter.
 const STEEPEST: f32 = 0.8;
 
 @compute @workgroup_size(64)

@@ -1,5 +1,5 @@
-// Shells and fins, drawn: the skin, fins at the silhouette, textured shells from the skin outwards;
-// `to_samples` turns the image into film samples. Colours are premultiplied linear RGB.
+// Shells and fins: draws the skin, fins at the silhouette, and textured shells from the skin
+// outwards; `to_samples` turns the image into film samples. Colours are premultiplied linear RGB.
 // In: baked textures, `row_positions` (cm) and `row_lights` of shellfin_rows. Out: the colour and
 // depth targets; `samples`.
 // [Lengyel2001] sec. 4, [Tariq2007]
@@ -48,8 +48,8 @@ struct FinEdge {
 #import shared/film_sample
 #import shared/shellfin_types
 
-// What the scene does not use is compiled out.
-override GUARD: bool = true;  // guard hairs have layers of their own
+// Features that the scene does not use are compiled out.
+override GUARD: bool = true;  // guard hairs have separate layers
 override DETAIL: bool = true; // rows change from one level of detail to the next
 override SHADOW: bool = true; // shadow between hairs
 override OUTLINE: u32 = 0u;    // points of a patch's outline, 0 where patches do not overlap
@@ -94,7 +94,7 @@ struct Lit {
     guard: vec3f,
 }
 
-// Of a word of `row_lights`.
+// Unpacks the light of an entry of `row_lights`.
 fn light_of(word: vec4u) -> Lit {
     let colors = unpack_half3x2(word.xyz);
     return Lit(colors[0], colors[1]);
@@ -118,8 +118,8 @@ fn lit_color(whole: vec4f, guard: vec4f, lit: Lit) -> vec4f {
     return vec4f(max(whole.rgb - guard.rgb, vec3f(0.0)) * lit.undercoat + guard.rgb * lit.guard, whole.a);
 }
 
-// The same for a path length through the layer `slant` times that of the texture. The mean
-// transmittance of the layer is taken to that power, not that of the texel: a shorter path scales
+// Lit colour for a path length through the layer `slant` times that of the texture. The mean
+// transmittance of the layer is raised to that power, not that of the texel: a shorter path scales
 // the coverage evenly, a longer one adds fog of the layer's mean colour.
 fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
     let mean_through = 1.0 - min(row.coverage, 0.9999);
@@ -144,8 +144,8 @@ fn layer_texel(texture: texture_2d_array<f32>, row: ShellRow, uv: vec2f) -> vec4
 
 // Opacity of the shadow between hairs: where the texture covers more at a small offset towards the
 // light, the difference is composited as black under the layer. [Xbdev]
-// DEVIATION: offset towards the light instead of along the view-space normal, and by coverage
-// instead of grey level.
+// DEVIATION: the offset is towards the light instead of along the view-space normal, and coverages
+// are compared instead of grey levels.
 fn shadow(in: ShellVarying, n: vec3f, layer: u32) -> f32 {
     // Texture coordinates as a function of position, from screen-space derivatives.
     let dx = dpdx(in.position);
@@ -167,8 +167,8 @@ fn spread_sine(tangent: vec3f, view: vec3f, variance: f32) -> f32 {
     return sqrt(max(0.0, 1.0 - mix(c * c, 1.0, variance) / (1.0 + 2.0 * variance)));
 }
 
-// Whether a point of a patch (cm) lies in its outline, a polygon that is star-shaped around the
-// origin with corners at even angles. [Praun2000]
+// Whether a point of a patch (cm) lies within its outline, a polygon that is star-shaped around the
+// origin, with corners at equal angles. [Praun2000]
 fn in_outline(p: vec2f, patch_index: u32) -> bool {
     let points = max(OUTLINE, 1u);
     let turn = atan2(p.y, p.x) / TAU;
@@ -205,8 +205,7 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
         let undercoat = spread_sine(normalize(in.lean), view, row.jitter);
         let guard_hair = spread_sine(normalize(in.tangent), view, shellfin.spread * shellfin.spread);
         let slant = mix(undercoat, guard_hair, row.share) / max(facing, 0.08);
-        // Towards the silhouette a textured shell is seen edge-on, as a line: there the fins take
-        // over.
+        // Near the silhouette a textured shell is seen edge-on, as a line; fins replace it there.
         edge = mix(1.0, smoothstep(0.0, 0.35, facing), shellfin.edge_fade);
         out = slanted_color(row, out, slant, lit) * edge;
     }
@@ -243,8 +242,8 @@ fn fin_fade(edge: FinEdge) -> f32 {
         n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
     }
     // [Lengyel2001] sec. 4.2
-    // DEVIATION: with the vertex normals along which the fur stands instead of the normals of the
-    // two faces, or every dent of a scanned skin would raise fins.
+    // DEVIATION: uses the vertex normals, along which the fur stands, instead of the normals of the
+    // two faces: otherwise every dent of a scanned skin would raise fins.
     let across = normalize(cross(normalize(b - a), shell_vertices[edge.a].normal + shell_vertices[edge.b].normal));
     let cosine = max(0.0, 2.0 * abs(dot(across, view)) - 1.0);
     if shellfin.fade == 0u {

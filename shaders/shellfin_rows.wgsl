@@ -1,7 +1,7 @@
-// Shells and fins: where the hair of each skin vertex passes each row above the skin, and how it is
-// lit there. A row is a textured shell or a row of a fin's vertices. Lengths, combing and forces
-// are those of the frame.
-// In: skin, groom, `tau` of the columns at the vertices, `shell_rows`. Out: `row_positions` (cm)
+// Shells and fins: position and light of the hair of each skin vertex at each row above the skin. A
+// row is a textured shell or a row of a fin's vertices. Lengths, combing and forces are those of
+// the frame.
+// In: skin, `groom`, `tau` of the columns at the vertices, `shell_rows`. Out: `row_positions` (cm)
 // and `row_lights` (linear RGB).
 // [Lengyel2001] sec. 4.4, [Xbdev]
 
@@ -60,7 +60,7 @@ struct LightingTable {
 struct HairRoot {
     at: SkinPoint,
     lean: vec3f,   // tangential; its length is the tangent of the angle
-    height: f32,   // cm above the skin at row height 1
+    height: f32,   // of the fur, cm above the skin at row height 1
     tint: vec3f,   // factor on the light
 }
 
@@ -81,20 +81,20 @@ fn root_of(v: u32) -> HairRoot {
     lean -= at.normal * dot(lean, at.normal);
     var height = shellfin.height * max(0.0, scalar(SHELL_LENGTH, at));
     if shellfin.curved == 1u {
-        // Where the prism shell was lowered because it would fold over, the textured shells are
-        // too.
+        // Where the prism shell was lowered because it would fold over, so are the textured shells.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
     return HairRoot(at, lean, height, tint);
 }
 
-// Place of the hair at row height s relative to its root, in units of the fur's height.
+// Position of the hair at row height s relative to its root, in units of the fur's height.
 fn hair(root: HairRoot, s: f32) -> vec3f {
     let n = root.at.normal;
     var p = s * (n + root.lean);
     if shellfin.curved == 1u {
         // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that
-        // its tip is as high as the fur. Heights grow evenly, as the texture's layers do.
+        // its tip is as high as the fur. Heights grow linearly with s, as those of the texture's
+        // layers do.
         let legs = leg_directions(n, root.lean, groom.gravity);
         let polygon = control_polygon(n, legs[0] / 3.0, legs[1] / 3.0, legs[2] / 3.0);
         let b = bezier(polygon, s) / max(dot(polygon.p3, n), 0.25);
@@ -169,7 +169,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                     * scatter_undercoat(lean, l, view, row.undercoat);
             }
             if shellfin.guard == 1u {
-                // The hairs that a row stands for lean slightly in all directions.
+                // The hairs that a row represents lean slightly in all directions.
                 let through = lights.lights[j].irradiance * light_through(depth, row.guard);
                 for (var k = 0u; k < 4u; k++) {
                     let turn = FRAC_PI_4 + FRAC_PI_2 * f32(k);

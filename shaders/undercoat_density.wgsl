@@ -1,6 +1,7 @@
 // Step 2: densities and tangents of the undercoat's subelements from simplex noise, [Andersen2016]
 // sec. 3.2; four bytes per subelement. One invocation fills one layer of one prism.
-// In: `prisms`, noise tables, uv. Out: `media_or_uv`, packed media (shared/undercoat).
+// In: `shell_vertices`, `prisms`, `noise`, `corner_uv`. Out: `media_or_uv`, packed media
+// (shared/undercoat).
 
 struct DensityCounts {
     triangles: u32,

@@ -1,7 +1,7 @@
-// Step 2: optical depth from every node of the lattice towards every light and towards the eye,
-// instead of a nested march at every step of the view ray. Undercoat and guard hairs count alike.
-// Level by level from the top: a ray that climbs is followed to the next level and takes the rest
-// from there; any other is followed to its end. Cf. [YukselKeyser2008]
+// Step 2: optical depth from every node of the lattice towards every light and towards the camera,
+// instead of a nested march at every step of the view ray. Undercoat and guard hairs both count.
+// Level by level from the top: a ray that climbs is marched to the next level and takes the rest
+// from there; any other is marched to its end. Cf. [YukselKeyser2008]
 // In: `lattice_extinction` (1/cm), `columns`. Out: `tau` (shared/tau).
 
 struct Sweep {
@@ -30,8 +30,8 @@ struct Sweep {
 #import shared/tau
 #import shared/transmittance
 
-// Extinction by undercoat and guard hairs at a place towards w, 1/cm, from the lattice instead of
-// the finer volume: the optical depths are kept no finer than the lattice either.
+// Extinction by undercoat and guard hairs at a place towards w, 1/cm. It is read from the lattice, not
+// from the finer volume, as the optical depths are stored no finer either.
 fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
     let cell = lattice_cell(place);
     var sum = vec2f(0.0);
@@ -45,7 +45,7 @@ fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
     return sum.x * relative_projection(tangent, w) + sum.y * FRAC_PI_4; // the mean sine
 }
 
-// Optical depth from x, which lies at `start`, towards w, followed to the end of the medium.
+// Optical depth from x, which lies at `start`, towards w, marched to the end of the medium.
 fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
@@ -69,20 +69,20 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     return sum;
 }
 
-// Optical depth from a place at or above a finished level.
+// Optical depth at a place on or above the level that was swept before.
 fn known_tau(place: ptr<function, Place>, light: u32) -> f32 {
     (*place).t = max((*place).t, level_height(sweep.level + 1u));
     return cell_tau(lattice_cell(place), light);
 }
 
-// Longest distance to the next level that is crossed in two steps, in steps of the full march.
+// Longest distance to the next level that is crossed in two steps, in units of the light step.
 const CLIMB_LIMIT: f32 = 6.0;
 
-// Change of height per path length below which a descending ray counts as blocked.
+// Height change per path length, both in cm, below which a descending ray counts as blocked.
 const STEEP: f32 = -0.5;
 
-// Optical depth from x, which lies at `start`, towards w. `behind`: the skin blocks the light
-// outside the shell.
+// Optical depth from x, which lies at `start`, towards w. `behind`: whether the skin blocks the
+// light outside the shell.
 fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, behind: bool) -> f32 {
     var place = *start;
     solve(&place, x, w, 0u);
@@ -110,7 +110,7 @@ fn optical_depth(start: ptr<function, Place>, x: vec3f, w: vec3f, light: u32, be
             return min(TAU_BLOCKED, sum + known_tau(&place, light));
         }
     }
-    // Steeply down through the fur: it would leave again only through the thinnest limb.
+    // A steeply descending ray would leave the fur again only through the thinnest limb.
     if slope * fur.undercoat.height < STEEP {
         return TAU_BLOCKED;
     }
@@ -125,7 +125,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     if i >= fur.lattice.columns * pairs {
         return;
     }
-    // Consecutive invocations follow the same lights.
+    // Consecutive invocations march towards the same lights.
     let column = i % fur.lattice.columns;
     let pair = i / fur.lattice.columns;
     var place: Place;

@@ -1,8 +1,9 @@
 // Step 5: the march that stores fragments of the undercoat, for the blending modes that need them:
 // one shell fragment per entry, or virtual fragments. [Andersen2016] sec. 3.2 and 3.3. The exact
 // mode marches in the resolve pass instead.
-// In: entries in `fragment_lists`, the volume, `source` (light at the lattice's nodes). Out: volume
-// fragments in `fragment_lists`, premultiplied; `march_counters`.
+// In: entries in `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's
+// nodes), `base_records`. Out: volume fragments in `fragment_lists`, premultiplied;
+// `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -51,7 +52,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     var z_after = 0.0;
     var source_after = 0u;
     var serial = 0u;
-    // Entries in order of depth; intervals that overlap are shortened, not counted twice.
+    // Entries in order of depth; overlapping intervals are shortened so that they count once.
     loop {
         // The next entry behind the last one.
         var z_entry = NO_BASE;
@@ -92,7 +93,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 continue;
             }
             // The step, split where a virtual fragment is full. Fragments have equal opacity, so
-            // that none is spent where nothing is seen. DEVIATION: [Andersen2016] sec. 3.3 joins a
+            // that none is wasted where little is visible. DEVIATION: [Andersen2016] sec. 3.3 joins a
             // fixed number of steps.
             var z = z0;
             let rest = exp(-march.sigma * (z1 - z0)); // [Max1995]

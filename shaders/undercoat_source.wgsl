@@ -1,8 +1,8 @@
-// Step 2: the light that the march and the skin look up: optical depths of the two key lights, and
-// all other lights summed to one radiance towards the eye.
-// In: `tau`, `columns`, the scattering tables. Out: `source`, one node of the lattice each;
-// `base_light`, linear RGB radiance of the skin at each column; what falls on guard hairs, in
-// `tau`.
+// Step 2: the light that the march and the skin look up: optical depths towards the two key lights,
+// and one radiance towards the camera that sums all other lights and multiple scattering.
+// In: `tau`, `columns`, `field_table`, `sent_table`, `response_table`. Out: `node_light`, one entry
+// per node of the lattice; `base_light`, linear RGB radiance of the skin at each column; with
+// multiple scattering by transport, the scattered radiance that falls on guard hairs, in `tau`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> lights: Lights;
@@ -53,19 +53,19 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let tangent = mean_tangent(normal, t);
     let view = to_eye(x);
     let albedo = mix(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip), t);
-    // Light that leaves the coat has been both deep in it and near its top.
+    // Light that leaves the undercoat has been both deep in it and near its top.
     let mean_albedo = mean_color(unpack_albedo(columns[column].color_root), unpack_albedo(columns[column].color_tip));
     var ambient = vec3f(0.0);
-    var scattered = vec3f(0.0);   // by more than one hair
+    var scattered = vec3f(0.0);   // multiple scattering towards the camera
     var key_tau = vec2f(0.0);
-    var field = mat3x4f();
+    var field = mat3x4f();        // scattered radiance in four zones
     var above = vec3f(0.0);       // radiance that falls on guard hairs
     var below = vec3f(0.0);
     for (var j = 0u; j < fur.lights.count; j++) {
         let depth = node_tau(node, j);
         let light = lights.lights[j];
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_DUAL {
-            scattered += light.irradiance * dual_scatter(ROW_DUAL_COAT, albedo, tangent, light.direction, view, depth);
+            scattered += light.irradiance * dual_scatter(ROW_DUAL_UNDERCOAT, albedo, tangent, light.direction, view, depth);
         }
         if light.undercoat == 1u && MULTIPLE == MULTIPLE_TRANSPORT {
             let sent = sent_radiance(mean_albedo, depth, dot(normal, light.direction), dot(normal, view));

@@ -90,8 +90,8 @@ fn look_up_stands_for_the_nested_march() {
                 let seen = (-tau * (1.0 - fur.undercoat.forward_scattering * albedo)).exp();
                 exact += Vec3::from(light.irradiance)
                     * seen
-                    * scatter(inputs.coat, tangent, l, view, albedo)
-                    * color(inputs.coat, albedo);
+                    * scatter(inputs.undercoat_fibre, tangent, l, view, albedo)
+                    * color(inputs.undercoat_fibre, albedo);
             }
             a += through * (1.0 - rest) * s.radiance;
             b += through * (1.0 - rest) * exact;

@@ -31,7 +31,8 @@ fn sides_of(n: vec3f) -> Sides {
     return Sides(side, cross(n, side));
 }
 
-// The unit vector at `azimuth` (radians) in the plane of both.
+// The unit vector at `azimuth` (radians) in the plane of the two vectors, from `side` towards
+// `other`.
 fn side_at(sides: Sides, azimuth: f32) -> vec3f {
     return cos(azimuth) * sides.side + sin(azimuth) * sides.other;
 }

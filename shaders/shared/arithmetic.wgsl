@@ -10,7 +10,8 @@ fn mix_bilinear(a: vec4f, b: vec4f, c: vec4f, d: vec4f, f: vec2f) -> vec4f {
     return mix(mix(a, b, f.x), mix(c, d, f.x), f.y);
 }
 
-// Number of the entry below `at` and the weight of the one above. `last`: number of the last entry.
+// For linear interpolation between entries 0 to `last` of a table: the entry below `at` and the
+// weight of the next one.
 fn lower_entry(at: f32, last: f32) -> vec2f {
     let low = min(floor(at), last - 1.0);
     return vec2f(low, at - low);

@@ -5,8 +5,8 @@ fn barycentric(l: vec2f) -> vec3f {
     return vec3f(1.0 - l.x - l.y, l);
 }
 
-// Of the point at `a` from corner 0 of a triangle with edges e1 and e2 from there. `n`: their cross
-// product; `inverse`: 1 / dot(n, n).
+// Barycentric coordinates of the point at `a` relative to corner 0 of a triangle with edges e1 and
+// e2 from there. `n`: their cross product; `inverse`: 1 / dot(n, n).
 fn barycentric_at(a: vec3f, e1: vec3f, e2: vec3f, n: vec3f, inverse: f32) -> vec3f {
     return barycentric(vec2f(dot(cross(a, e2), n) * inverse, dot(cross(e1, a), n) * inverse));
 }

@@ -4,7 +4,7 @@
 #import shared/halves
 #import shared/octahedral
 
-// Depth where the skin is not seen.
+// Depth of a sample at which there is no skin.
 const NO_BASE: f32 = 1e30;
 
 fn pack_base(z: f32, radiance: vec3f, normal: vec3f) -> vec4u {

@@ -1,4 +1,5 @@
-// The undercoat's structure from simplex noise: clumps, uneven height, spread of the tangents.
+// The undercoat's structure from simplex noise: clumps, uneven heights, spread of the tangents.
+// [Andersen2016] sec. 3.2
 // Needs: fur (uniform FurParameters), noise (uniform Noise); shared/random, shared/noise, shared/undercoat.
 
 // Noise at a point of the domain, -1..1.
@@ -9,15 +10,15 @@ fn field(p: vec3f, frequency: f32) -> f32 {
     return simplex3(p * frequency);
 }
 
-// Noise domain stretched along the lean: locks of combed fur are longer than wide.
+// Point of the noise domain stretched along the lean: locks of combed fur are longer than wide.
 fn combed(p: vec3f) -> vec3f {
     let along = dot(fur.undercoat.lean, fur.undercoat.lean);
     return p - fur.undercoat.lean * (dot(fur.undercoat.lean, p) * 0.65 / max(along, 1e-12));
 }
 
-// Density relative to the mean at height t. Hairs end at heights of their own, which turns clumps
-// into cones, and taper. `p`: the skin's point in the noise domain; `jittered`: the same for finer
-// noise.
+// Density at height t, relative to the mean. Hairs taper and end at different heights, which turns
+// clumps into cones. `p`: the skin's point in the noise domain; `jittered`: that point displaced, for
+// the finer noise.
 fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
     let lean = fur.undercoat.lean * (fur.undercoat.height * t);
     // Hairs form locks, locks form clumps: a finer octave for close views, a coarser one for the

@@ -3,10 +3,10 @@
 #import shared/barycentric
 
 struct Column {
-    prism: u32,       // a triangle that it stands on
-    grid: u32,        // grid point in it: i and j, 16 bits each
+    prism: u32,       // one of the triangles on which it stands
+    grid: u32,        // grid point in that triangle: i and j, 16 bits each
     area: f32,        // its share of the skin, cm2
-    density: f32,     // undercoat density relative to the mean
+    density: f32,     // undercoat density relative to fur.undercoat.density
     color_root: u32,  // albedo of the undercoat at the skin and at the tips
     color_tip: u32,
     color_base: u32,  // reflectance of the skin

@@ -1,4 +1,5 @@
-// Places of the lattice's nodes. Needs: columns (array<Column>); shared/shell, shared/column.
+// Places of the lattice's nodes.
+// Needs: columns (array<Column>), fur (uniform FurParameters); shared/shell, shared/column.
 
 // Height above the skin of a level, in shell heights.
 fn level_height(level: u32) -> f32 {

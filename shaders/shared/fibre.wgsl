@@ -1,7 +1,7 @@
 // Scattering by single hairs: L_o = sum_j E_j f cos(theta_i), theta being the inclination from the
 // plane normal to the tangent. The model is an argument that is known when a kernel is compiled.
-// Far fields that depend on the offset across the fibre are read from a table (src/fibre/table.rs):
-// R, TT, TRT and the rest by azimuth, inclination of the eye and absorption.
+// Far fields of models that depend on the offset across the fibre are read from a table (`fibre::table`
+// of pelage-fur): R, TT, TRT and the rest by azimuth, inclination of the view and absorption.
 // Needs: far_texel(i), a texel of the buffer that holds the tables.
 
 #import shared/angles
@@ -18,11 +18,11 @@ struct Fibre {
     glint_width: f32,       // radians
     specular: f32,
     specular_exponent: f32,
-    divisor: f32,           // absorption = (log(colour) / divisor)^2; 0: it is given
+    divisor: f32,           // absorption = (log(colour) / divisor)^2; 0: `absorption` holds
     absorption: vec3f,      // per radius
     table_base: u32,        // first texel of the table
     variance: vec4f,        // longitudinal, of R, TT, TRT and the rest
-    turn_sin: vec4f,        // of the shift of theta_o; with a medulla, of the tilt itself for R
+    turn_sin: vec4f,        // of the shift of theta_o per lobe; with a medulla, R: of the tilt
     turn_cos: vec4f,
     table_size: vec3u,      // azimuths, inclinations, layers
     padding: u32,
@@ -34,7 +34,7 @@ const MODEL_SADEGHI_NORMALISED: u32 = 2u;
 const MODEL_CHIANG: u32 = 3u;
 const MODEL_MEDULLA: u32 = 4u;
 
-// Azimuth of the glints of an average strand, radians.
+// Mean azimuth of the glints, radians.
 const MEAN_GLINT: f32 = 0.6544985;
 
 // Gaussian of unit height.
@@ -42,7 +42,7 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
     return exp(-0.5 * x * x / (width * width));
 }
 
-// Radiance from `l` towards `v` (both leave the point) per irradiance and colour. The diffuse term
+// Radiance from `l` towards `v` (both point away from the hair) per irradiance and colour. The diffuse term
 // is lossless at 1/pi^2 with the sine of the incidence; the specular term lies on the mirror cone
 // T.V = -T.L. [KajiyaKay1989]
 fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
@@ -77,14 +77,14 @@ fn longitudinal(i: vec2f, o: vec2f, v: f32) -> f32 {
     return exp((product - i.x * o.x - 1.0) / v) * bessel_i0e(product / v) / (v * (1.0 - exp(-2.0 / v)));
 }
 
-// Sine and cosine of the inclination of the eye, shifted for a lobe.
+// Sine and cosine of the inclination of the view direction, shifted for a lobe.
 fn turned(fibre: Fibre, lobe: u32, o: vec2f) -> vec2f {
     let s = fibre.turn_sin[lobe];
     let c = fibre.turn_cos[lobe];
     return vec2f(o.x * c + o.y * s, abs(o.y * c - o.x * s));
 }
 
-// A layer of the table at `at`, in texels.
+// A layer of the table, bilinearly at `at`, in texels.
 fn far_value(fibre: Fibre, layer: u32, at: vec2f) -> vec4f {
     let i = min(vec2u(at), fibre.table_size.xy - 2u);
     let f = at - vec2f(i);
@@ -93,15 +93,15 @@ fn far_value(fibre: Fibre, layer: u32, at: vec2f) -> vec4f {
     return mix_bilinear(far_texel(first), far_texel(first + 1u), far_texel(next), far_texel(next + 1u), f);
 }
 
-// Albedo of Sadeghi's lobes R, TT, TRT at an inclination, from the table.
+// Albedos of Sadeghi's lobes R, TT, TRT at inclination `theta`, from the table.
 fn lobe_albedo(fibre: Fibre, theta: f32) -> vec3f {
     let x = (theta * FRAC_1_PI + 0.5) * f32(fibre.table_size.x - 1u);
     let i = min(u32(max(x, 0.0)), fibre.table_size.x - 2u);
     return mix(far_texel(fibre.table_base + i), far_texel(fibre.table_base + i + 1u), x - f32(i)).xyz;
 }
 
-// Far field of a thick fibre, from its table: azimuthal factors from there, longitudinal ones
-// evaluated. [Chiang2016], [Yan2017]
+// Far field averaged over the offset across the fibre: azimuthal functions from the table,
+// longitudinal ones evaluated. `i`, `o`: sine and cosine of the inclinations. [Chiang2016], [Yan2017]
 fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: vec3f) -> vec3f {
     let size = vec2f(fibre.table_size.xy) - 1.0;
     let medulla = model == MODEL_MEDULLA;
@@ -140,8 +140,8 @@ fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: v
     return color;
 }
 
-// Radiance from `l` towards `v` (unit, both leave the hair) per irradiance, cos(theta_i) included.
-// `glint_angle`: the strand's own, radians.
+// Radiance from `l` towards `v` (unit, both point away from the hair) per irradiance, cos(theta_i)
+// included. `tint`: colour of the hair; `glint_angle`: azimuth of the strand's glints, radians.
 fn scatter_fibre(model: u32, fibre: Fibre, tangent: vec3f, l: vec3f, v: vec3f, tint: vec3f, glint_angle: f32) -> vec3f {
     if model == MODEL_KAJIYA_KAY {
         return kajiya_kay(fibre.diffuse, fibre.specular, fibre.specular_exponent, tangent, l, v) * tint;

@@ -4,10 +4,10 @@
 
 struct FilmSample {
     guard: vec3f,       // premultiplied linear RGB radiance of the guard hairs
-    undercoat: vec3f,   // the same of the undercoat
-    base: vec3f,        // the same of the skin
+    undercoat: vec3f,   // that of the undercoat
+    base: vec3f,        // that of the skin
     through: f32,       // transmittance
-    z: f32,             // mean depth weighted by opacity, cm; NO_BASE where nothing is seen
+    z: f32,             // mean depth weighted by opacity, cm; NO_BASE where nothing is hit
     normal: u32,        // of the skin, a packed direction; 0: none
     fragments: u32,     // length of the list
 }

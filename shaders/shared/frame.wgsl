@@ -28,7 +28,7 @@ fn tile_samples() -> u32 {
     return frame.tile_size.x * frame.tile_size.y;
 }
 
-// Place of sample number i in the tile.
+// Position of sample number i in the tile.
 fn tile_xy(i: u32) -> vec2u {
     return vec2u(i % frame.tile_size.x, i / frame.tile_size.x);
 }
@@ -38,7 +38,7 @@ fn tile_index(xy: vec2u) -> u32 {
     return xy.y * frame.tile_size.x + xy.x;
 }
 
-// Unit vector from a point towards the eye.
+// Unit vector from a point towards the camera (the point on the lens).
 fn to_eye(x: vec3f) -> vec3f {
     return normalize(frame.eye - x);
 }
@@ -52,8 +52,8 @@ fn sample_ray(xy: vec2u) -> vec3f {
     return frame.forward + slope.x * frame.right + slope.y * frame.up;
 }
 
-// World to film space: xy in samples (sample centres at half integers), z depth in cm. Nothing here
-// depends on the tile, so that the result does not either.
+// World to film space: xy in samples (sample centres at half integers), z depth in cm. Independent
+// of the tile.
 fn film_from_world(p: vec3f) -> vec3f {
     let v = p - frame.eye;
     let z = dot(v, frame.forward);
@@ -62,9 +62,9 @@ fn film_from_world(p: vec3f) -> vec3f {
     return vec3f((ndc * vec2f(0.5, -0.5) + 0.5) * frame.film_size - frame.jitter, z);
 }
 
-// Samples around the tile that the viewport covers as well: the new edges of a clipped triangle are
-// rounded to the rasteriser's grid, and a sample on such an edge would depend on the tile. The same
-// number stands in src/gpu/recorder.rs.
+// Samples around the tile that the viewport also covers: the new edges of a clipped triangle are
+// rounded to the rasteriser's grid, and a sample on such an edge would depend on the tile. Must
+// equal `RASTER_MARGIN` of pelage-gpu.
 const RASTER_MARGIN: f32 = 1024.0;
 
 // World to clip space of the tile, reversed depth: 1 at the near plane, 0 at infinity. Positions
@@ -86,7 +86,7 @@ fn clip_from_world(p: vec3f) -> vec4f {
     return vec4f(ndc * z, frame.near, z);
 }
 
-// Samples per cm at depth 1.
+// Samples per cm at a depth of 1 cm.
 fn samples_per_slope() -> f32 {
     return 0.5 * frame.film_size.y / frame.tan_y;
 }

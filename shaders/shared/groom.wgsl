@@ -31,12 +31,12 @@ struct SkinPoint {
     color: vec3f,
 }
 
-// A vertex of the skin.
+// The point at a vertex of the skin.
 fn point_of_vertex(vertex: ShellVertex, uv: vec2f) -> SkinPoint {
     return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color).rgb);
 }
 
-// A texel of a map, repeating.
+// A texel of a parameter's map, which repeats.
 fn texel(parameter: u32, x: i32, y: i32) -> vec4f {
     let size = vec2i(groom.parameters[parameter].size);
     let column = ((x % size.x) + size.x) % size.x;
@@ -44,7 +44,7 @@ fn texel(parameter: u32, x: i32, y: i32) -> vec4f {
     return unpack_half4(maps_and_tables[groom.parameters[parameter].texel_base + u32(row * size.x + column)]);
 }
 
-// Repeating bilinear lookup; v = 0 is the bottom row.
+// Bilinear lookup in a map that repeats; v = 0 is the lower edge.
 fn bilinear(parameter: u32, uv: vec2f) -> vec4f {
     let size = vec2f(groom.parameters[parameter].size);
     let p = vec2f(fract(uv.x), 1.0 - fract(uv.y)) * size - 0.5;
@@ -65,7 +65,7 @@ fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
     return w.x * bilinear(parameter, p.yz) + w.y * bilinear(parameter, p.xz) + w.z * bilinear(parameter, p.xy);
 }
 
-// Factor on a parameter's constant.
+// Factor on a parameter's constant at a point of the skin.
 fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.parameters[parameter].source {
         case 1u: { return vec4f(at.color, 1.0); }
@@ -75,11 +75,13 @@ fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     }
 }
 
+// A scalar parameter at a point of the skin.
 fn scalar(parameter: u32, at: SkinPoint) -> f32 {
     let p = groom.parameters[parameter].value.x;
     return p * parameter_texel(parameter, at)[groom.parameters[parameter].channel] + groom.parameters[parameter].offset;
 }
 
+// A colour parameter at a point of the skin, linear RGB.
 fn color(parameter: u32, at: SkinPoint) -> vec3f {
     return groom.parameters[parameter].value.rgb * parameter_texel(parameter, at).rgb;
 }

@@ -14,9 +14,9 @@ struct Groom {
     parameters: array<Parameter, 16>,
     comb_direction: vec3f,
     segments: u32,
-    diameter: vec3f,        // root, widest, tip; cm
-    widest: f32,
-    color_transition: vec2f,
+    diameter: vec3f,        // root, widest place, tip; cm
+    widest: f32,            // place of the widest diameter, 0 root, 1 tip
+    color_transition: vec2f, // from root to tip colour: middle and width
     color_variation: f32,
     length_variation: f32,
     gravity: f32,
@@ -27,7 +27,7 @@ struct Groom {
     opacity: f32,
     tip_fade: f32,
     seed: u32,
-    root_darkening: vec2f,
+    root_darkening: vec2f,  // strength, length of the decay relative to the strand
     paper: u32,             // 1: local shading as in [Andersen2016]
     padding: u32,
 }

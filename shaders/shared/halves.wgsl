@@ -8,12 +8,12 @@ fn unpack_half4(words: vec2u) -> vec4f {
     return vec4f(unpack2x16float(words.x), unpack2x16float(words.y));
 }
 
-// Two vectors of three, in three words.
+// Two vectors of three components in three words.
 fn pack_half3x2(a: vec3f, b: vec3f) -> vec3u {
     return vec3u(pack2x16float(a.xy), pack2x16float(vec2f(a.z, b.x)), pack2x16float(b.yz));
 }
 
-// The two vectors, a column each.
+// The two vectors, one per column.
 fn unpack_half3x2(words: vec3u) -> mat2x3f {
     let middle = unpack2x16float(words.y);
     return mat2x3f(vec3f(unpack2x16float(words.x), middle.x), vec3f(middle.y, unpack2x16float(words.z)));

@@ -24,7 +24,7 @@ fn column_index(prism: u32, vertices: vec3u, edges: vec3u, i: u32, j: u32) -> u3
     return fur.lattice.vertices + fur.lattice.edges * (n - 1u) + prism * inner + (j - 1u) * (n - 1u) - (j - 1u) * j / 2u + i - 1u;
 }
 
-// The lattice cell that holds a place.
+// The lattice cell that contains a place.
 fn lattice_cell(place: ptr<function, Place>) -> LatticeCell {
     var cell: LatticeCell;
     let level = level_at((*place).t);

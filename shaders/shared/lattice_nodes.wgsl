@@ -1,7 +1,7 @@
 // Numbers of the lattice's nodes: `levels + 1` per column, consecutive.
 // Needs: fur (uniform FurParameters).
 
-// Nodes and weights for a lookup.
+// The nodes around a place, with weights: three columns, two levels.
 struct LatticeCell {
     columns: vec3u,
     weights: vec3f,

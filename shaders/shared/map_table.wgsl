@@ -1,5 +1,5 @@
-// Scattering tables of hairs, behind the texels of the maps: the kernels that shade have no binding
-// left. Needs: maps_and_tables (array<vec2u>).
+// Scattering tables of hairs, behind the texels of the maps: the kernels that shade have no storage
+// binding left. Needs: maps_and_tables (array<vec2u>).
 
 #import shared/halves
 

@@ -1,8 +1,8 @@
-// The ray march through the undercoat, [Andersen2016] sec. 3.2: entry by a shell fragment, steps of
-// fixed length, hops over the neighbour table. Depth z is the ray parameter (cm along the view
+// The ray march through the undercoat, [Andersen2016] sec. 3.2: enters at an entry fragment, takes
+// steps of fixed length, hops by the neighbour table. Depth z is the ray parameter (cm along the view
 // axis).
-// Needs: source (array<vec4u>); shared/volume, shared/lattice, shared/undercoat_fibre,
-// shared/frame.
+// Needs: node_light (array<vec4u>), fur (uniform FurParameters); shared/volume, shared/lattice,
+// shared/undercoat_fibre, shared/frame.
 
 #import shared/halves
 #import shared/transmittance
@@ -10,19 +10,19 @@
 struct March {
     marching: bool,   // inside the shell
     last: bool,       // the current step ends where the ray leaves the shell
-    z: f32,           // end of what has been marched
-    z_end: f32,       // end of the current step
-    dz: f32,
+    z: f32,           // depth up to which the ray has been marched
+    z_end: f32,       // depth at which the current step ends
+    dz: f32,          // length of the next step, cm of depth
     speed: f32,       // path length (cm) per cm of depth
     sigma: f32,       // extinction of the current step per cm of depth
     radiance: vec3f,  // source radiance of the current step
     ray: vec3f,
-    view: vec3f,      // unit, to the eye
-    lost: u32,        // steps whose place was not found
+    view: vec3f,      // unit, towards the camera
+    lost: u32,        // number of steps whose prism was not found
 }
 
-// Steps that a ray may continue without finding its place: where the shell folds, prisms overlap
-// and hops run in circles.
+// Number of steps that a ray may take without finding its prism: where the shell folds, prisms
+// overlap and hops run in circles.
 const LOST_LIMIT: u32 = 64u;
 
 fn begin_ray(m: ptr<function, March>, ray: vec3f) {
@@ -35,7 +35,7 @@ fn begin_ray(m: ptr<function, March>, ray: vec3f) {
 }
 
 // Enters the prism shell through prism `index` at depth z; `phase` in (0, 1]: length of the first
-// step in steps.
+// step, in steps.
 fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32, z: f32, phase: f32) {
     (*place).prism = index;
     (*place).t = 1.0;
@@ -46,11 +46,12 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
     (*m).dz = fur.undercoat.step / (*m).speed * phase;
 }
 
-// Whether key lights are marched at every step, as in [Andersen2016] sec. 3.2, instead of looked up
-// in the lattice, to compare with it. The nested march sees the undercoat alone.
+// Whether optical depths towards key lights are found by a nested march at every step, as in
+// [Andersen2016] sec. 3.2, instead of by lookup in the lattice; for comparison. The nested march
+// ignores guard hairs.
 override NESTED: bool = false;
 
-// Optical depth from x, which lies at `start`, towards l.
+// Optical depth of the undercoat from x, which lies at `start`, towards l.
 fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
@@ -68,7 +69,7 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     return sum;
 }
 
-// In-scattered radiance per extinction at the place, and its density factor.
+// In-scattered radiance towards `view` per extinction at a place, and the density factor there.
 fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
     let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance from all but the key lights; density factor
@@ -95,9 +96,9 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
     return vec4f(sum * undercoat_factor(albedo), ambient.a);
 }
 
-// Prepares the next step: where it ends and its medium. Where the ray has left the shell,
-// `marching` becomes false. A step that leaves through the top or into the skin counts up to there,
-// whether its middle is inside or not.
+// Prepares the next step: its end and its medium. If the ray has left the shell, `marching` becomes
+// false. A step that leaves through the top or into the skin ends there, whether its middle is
+// inside or not.
 fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let dz = (*m).dz;
     (*m).dz = fur.undercoat.step / (*m).speed;
@@ -109,10 +110,10 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let t = (*place).t;
     let slope = (*place).dt_dz;
     let climbs = slope > 0.0;
-    // Where a climbing ray meets the top, a descending one the skin.
+    // Depth at which a climbing ray meets the top, or a descending one the skin.
     let z_out = z_mid + (select(0.0, 1.0, climbs) - t) / away_from_zero(slope, 1e-12);
-    // Above the top counts as inside while the ray descends towards it: the first step may begin
-    // there by rounding.
+    // A place above the top counts as inside while the ray descends: by rounding, the first step
+    // may begin there.
     let near = select(t <= 1.0 + abs(slope) * dz, t >= 0.0, climbs) && (z_out > (*m).z || (t >= 0.0 && t <= 1.0));
     let inside = found == INSIDE && near && !(*m).last;
     (*m).lost += u32(found == LOST && !(*m).last);
@@ -125,7 +126,7 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     let source_density = source_radiance(place, medium, x, (*m).view);
     let lost = found == LOST && (*m).lost < LOST_LIMIT;
     let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
-    // Lost: the previous step's medium continues.
+    // Lost: continue with the medium of the previous step.
     (*m).sigma = select(sigma, (*m).sigma, lost);
     (*m).radiance = select(source_density.rgb, (*m).radiance, lost);
     if lost {

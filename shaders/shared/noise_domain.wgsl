@@ -1,8 +1,8 @@
-// Where the undercoat's noise is evaluated. Needs: fur (uniform FurParameters), uv_of_corner; shared/shell.
+// Domain of the undercoat's noise: positions or uv. Needs: fur (uniform FurParameters), uv_of_corner; shared/shell.
 
 #import shared/barycentric
 
-// uv of a point of a skin triangle.
+// uv at barycentric coordinates of a skin triangle.
 fn skin_uv(prism: u32, lambda: vec3f) -> vec2f {
     let corner = 3u * prism;
     return interpolate2(lambda, uv_of_corner(corner), uv_of_corner(corner + 1u), uv_of_corner(corner + 2u));

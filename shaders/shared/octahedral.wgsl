@@ -1,4 +1,4 @@
-// Unit vectors in the octahedral map, -1..1 in both coordinates. [Meyer2010], [Cigolle2014]
+// Octahedral map of unit vectors, -1..1 in both coordinates. [Meyer2010], [Cigolle2014]
 
 fn octahedral_encode(v: vec3f) -> vec2f {
     let p = v.xy / (abs(v.x) + abs(v.y) + abs(v.z));
@@ -14,7 +14,7 @@ fn octahedral_decode(e: vec2f) -> vec3f {
     return normalize(v);
 }
 
-// A direction in one word, two signed normalised 16 bit numbers.
+// A direction in one word: two signed normalised 16-bit numbers.
 fn pack_direction(v: vec3f) -> u32 {
     return pack2x16snorm(octahedral_encode(v));
 }

@@ -4,10 +4,10 @@
 
 const BATCH: u32 = 24u;
 
-// The nearest nodes behind a fragment, in order; at most BATCH of them.
+// The nodes that follow a given fragment in order of depth, at most BATCH of them.
 struct Batch {
     count: u32,
-    more: bool,              // nodes follow behind the batch
+    more: bool,              // whether further nodes follow
     length: u32,             // of the whole list
     z: array<f32, BATCH>,
     source: array<u32, BATCH>,
@@ -19,7 +19,8 @@ fn node_color(node: u32) -> vec4f {
     return unpack_half4(vec2u(fragment_lists[at + NODE_COLOR], fragment_lists[at + NODE_COLOR + 1u]));
 }
 
-// Collects the nodes behind (z_after, source_after) by insertion. Longer lists take several rounds.
+// Collects the nodes that follow (z_after, source_after), by insertion sort. Lists longer than a
+// batch take several calls.
 fn read_batch(batch: ptr<function, Batch>, sample_index: u32, z_after: f32, source_after: u32) {
     (*batch).count = 0u;
     (*batch).more = false;

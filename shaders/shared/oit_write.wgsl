@@ -1,7 +1,9 @@
-// Adds to the lists of shared/oit. Needs: fragment_lists (array<atomic<u32>>); shared/oit.
+// Adds to the lists of shared/oit.
+// Needs: fragment_lists (array<atomic<u32>>); shared/oit, shared/frame.
 
 #import shared/halves
 
+// Adds a fragment to the list of a sample. `color`: premultiplied.
 fn add_fragment(sample_index: u32, z: f32, source: u32, color: vec4f) {
     let node = atomicAdd(&fragment_lists[0], 1u) + 1u;
     if node > frame.node_capacity {

@@ -1,6 +1,7 @@
-// Length of a ray's first step, in steps: each sample starts elsewhere, which avoids rings of equal
-// march depth. Interleaved gradient noise spreads the phases evenly over neighbouring samples; it
-// depends on the sample's place in the film, the pass and the seed alone. [Jimenez2014]
+// Length of a ray's first step, in steps. It differs between samples, which avoids rings of equal
+// march depth: interleaved gradient noise spreads the phases evenly over neighbouring samples. It
+// depends only on the sample's position in the film, the pass and the seed. [Jimenez2014]
+// Needs: shared/frame.
 
 fn first_phase(xy: vec2u) -> f32 {
     if (frame.flags & FLAG_MARCH_JITTER) == 0u {

@@ -25,11 +25,12 @@ fn random(seed: u32, k: u32) -> f32 {
     return unit_float(hash2(seed, k));
 }
 
-// Numbers k and k + 1 of a seed.
+// Uniform numbers k and k + 1 of a seed.
 fn random2(seed: u32, k: u32) -> vec2f {
     return vec2f(random(seed, k), random(seed, k + 1u));
 }
 
+// Uniform numbers k to k + 2 of a seed.
 fn random3(seed: u32, k: u32) -> vec3f {
     return vec3f(random(seed, k), random(seed, k + 1u), random(seed, k + 2u));
 }
@@ -39,7 +40,7 @@ fn r2_point(start: vec2f, k: u32) -> vec2f {
     return fract(start + f32(k) * vec2f(0.7548777, 0.5698403));
 }
 
-// Uniform on the unit sphere.
+// Uniform on the unit sphere, from numbers k and k + 1 of a seed.
 fn random_direction(seed: u32, k: u32) -> vec3f {
     let z = 1.0 - 2.0 * random(seed, k);
     let phi = TAU * random(seed, k + 1u);

@@ -12,7 +12,7 @@ fn root_lambda(root: Root) -> vec3f {
     return barycentric(root.lambda);
 }
 
-// The strands that a dispatch works on.
+// The strands that a dispatch processes: the first `strands` of `roots`.
 struct StrandBatch {
     strands: u32,
 }

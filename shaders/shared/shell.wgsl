@@ -8,14 +8,14 @@
 
 const HOP_LIMIT: u32 = 16u;
 
-// A point's place in the shell, and the geometry of its prism.
+// Coordinates of a point in the shell, and the geometry of its prism.
 struct Place {
     prism: u32,
-    t: f32,          // height, 0 skin, 1 top
+    t: f32,          // height, 0 at the skin, 1 at the top
     lambda: vec3f,   // barycentric in the triangle at height t
-    dt_dz: f32,      // change of t along the ray of the last `locate`
+    dt_dz: f32,      // derivative of t along the ray of the last `solve` or `locate`
     p0: vec3f, e1: vec3f, e2: vec3f,   // skin triangle: corner and edges
-    v0: vec3f, w1: vec3f, w2: vec3f,   // extrusion at corner 0 and its differences
+    v0: vec3f, w1: vec3f, w2: vec3f,   // extrusion at corner 0; those at corners 1 and 2 less v0
     vertices: vec3u,
     neighbours: vec3u,
     edges: vec3u,
@@ -43,17 +43,17 @@ fn enter_prism(place: ptr<function, Place>, index: u32) {
     (*place).subdivision = prism.subdivision;
 }
 
-// The skin's point at barycentric coordinates of the place's prism, and the vector from there to
-// the shell's top.
+// The skin's point at barycentric coordinates of the place's prism.
 fn skin_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
     return (*place).p0 + lambda.y * (*place).e1 + lambda.z * (*place).e2;
 }
 
+// The vector from there to the shell's top, cm.
 fn extrusion_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
     return (*place).v0 + lambda.y * (*place).w1 + lambda.z * (*place).w2;
 }
 
-// The same at the place's own.
+// The same at the barycentric coordinates of the place.
 fn extrusion(place: ptr<function, Place>) -> vec3f {
     return extrusion_at(place, (*place).lambda);
 }
@@ -71,7 +71,8 @@ fn layer_at(place: ptr<function, Place>, t: f32) -> Layer {
     return Layer(e1, e2, cross(e1, e2));
 }
 
-// Derivative with respect to t of F, whose root `solve` finds. `a`: x less corner 0 of the layer.
+// Derivative with respect to t of F, whose root `solve` finds. `a`: x relative to corner 0 of the
+// layer.
 fn volume_slope(place: ptr<function, Place>, layer: Layer, a: vec3f) -> f32 {
     return dot(a, cross((*place).w1, layer.e2) + cross(layer.e1, (*place).w2)) - dot((*place).v0, layer.n);
 }
@@ -98,13 +99,13 @@ fn solve(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) {
 }
 
 const INSIDE: u32 = 0u;
-const LEFT_BORDER: u32 = 1u;  // over a boundary edge of the skin
+const LEFT_BORDER: u32 = 1u;  // left the shell over a boundary edge of the skin
 const LOST: u32 = 2u;         // too many hops
 
 // Finds the prism of x, hopping over the most negative barycentric coordinate.
-// [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses
-// most rays. The prism is loaded in one place: all lanes pay for a loop body that one of them
-// enters, so it holds nothing twice.
+// DEVIATION: [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses
+// most rays. The code loads and solves in one place, because all lanes pay for the whole loop
+// body as long as one of them needs it.
 fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) -> u32 {
     var index = (*place).prism;
     var state = LOST;
@@ -149,14 +150,14 @@ fn subelement_centroid(id: u32, d: u32) -> vec3f {
     return 1.0 - (vec3f(i) + select(1.0 / 3.0, 2.0 / 3.0, upright)) / f32(n);
 }
 
-// Index of a subelement in the volume data. Each prism has a level d of its own.
+// Index of a subelement in the volume. The level d varies between prisms.
 fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
     return (*place).cell_base + (layer << (2u * (*place).subdivision)) + id; // [Andersen2016] eq. 3
 }
 
-// Density of hairs with direction `tangent` at height t of the place's prism, relative to the skin:
-// they spread over a layer of another area, and where they lean their cross-section is smaller than
-// the layer.
+// Density of hairs with direction `tangent` at height t of the place's prism, relative to that on the
+// skin: hairs spread over a layer of different area, and across leaning hairs the layer's area is
+// foreshortened.
 fn crowding(place: ptr<function, Place>, t: f32, tangent: vec3f) -> f32 {
     let skin = length(cross((*place).e1, (*place).e2));
     let layer = layer_at(place, t).n;

@@ -4,7 +4,7 @@
 
 struct ShellVertex {
     position: vec3f,  // on the skin, world, cm
-    height: f32,      // of the prism shell, cm
+    height: f32,      // of the prism shell above the vertex, cm
     normal: vec3f,    // smoothed, unit
     color: u32,       // vertex colour, 8 bits per channel
 }

@@ -11,7 +11,7 @@ struct Shellfin {
     lighting: u32,           // 0: scene, 1: table
     torus: vec2f,            // edges of the layers' torus, cm
     fin_length: f32,         // one repeat of the fin, cm
-    height: f32,             // of a row at 1, cm above the skin
+    height: f32,             // of the row at height 1, cm above the skin
     fade: u32,               // 0: cosine, 1: threshold, 2: both
     fin_threshold: f32,
     slanted: u32,            // 1: coverage grows with the path length through a layer
@@ -21,13 +21,13 @@ struct Shellfin {
     brushes: u32,
     curved: u32,             // 1: along the groom's mean strand, 0: straight
     spread: f32,             // tangent of the guard hairs' random lean
-    guard: u32,              // 1: guard hairs have layers of their own
+    guard: u32,              // 1: guard hairs have separate layers
     edge_fade: f32,          // 1: textured shells fade where they are seen edge-on
     first_corner: u32,       // of the textured shells
 }
 
 struct ShellRow {
-    height: f32,     // 0 skin, 1 the textures' top
+    height: f32,     // 0 at the skin, 1 at the top of the textures
     fine: u32,       // layer of the texture
     coarse: u32,     // of the next level of detail, or NONE
     blend: f32,      // 0 fine, 1 coarse

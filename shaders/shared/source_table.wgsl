@@ -1,5 +1,5 @@
-// Scattering tables of the undercoat, behind the lattice's nodes in `source`: the kernels that
-// march have no binding left. Needs: source (array<vec4u>).
+// Scattering tables of the undercoat, behind the lattice's nodes in `node_light`: the kernels that
+// march have no storage binding left. Needs: node_light (array<vec4u>).
 
 #import shared/halves
 

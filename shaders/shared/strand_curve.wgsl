@@ -17,16 +17,16 @@ fn leg_directions(n: vec3f, lean: vec3f, gravity: f32) -> array<vec3f, 3> {
         normalize(n + 1.25 * lean + fall));
 }
 
-// Joins the legs. No control point lies below the tangent plane.
+// Joins the legs. Control points 2 and 3 are raised to the tangent plane if they lie below it.
 fn control_polygon(n: vec3f, leg1: vec3f, leg2: vec3f, leg3: vec3f) -> ControlPolygon {
     let p1 = leg1;
     let p2 = p1 + leg2;
-    // The third leg starts from the second before that is raised.
+    // The third leg starts at the second control point before that is raised.
     let p3 = p2 + leg3;
     return ControlPolygon(p1, above_plane(p2, n), above_plane(p3, n));
 }
 
-// p, raised to the tangent plane where it lies below.
+// p, raised to the tangent plane at the root if it lies below.
 fn above_plane(p: vec3f, n: vec3f) -> vec3f {
     return p - n * min(0.0, dot(p, n));
 }

@@ -6,7 +6,7 @@
 #import shared/undercoat_types
 
 struct Medium {
-    density: f32,   // relative to the skin's mean, 0..4
+    density: f32,   // relative to the mean on the skin, 0..4
     tangent: vec3f, // unit
 }
 
@@ -24,7 +24,7 @@ fn unpack_medium(word: u32) -> Medium {
     return Medium(f32(word & 4095u) / 4095.0 * DENSITY_RANGE, octahedral_decode(oct * 2.0 - 1.0));
 }
 
-// Mean direction of the hairs at height t (in shell heights); they lean more towards the top.
+// Mean direction of the hairs at height t (in shell heights); the lean grows towards the top.
 fn mean_tangent(normal: vec3f, t: f32) -> vec3f {
     return normalize(normal + fur.undercoat.lean * t);
 }
@@ -35,8 +35,8 @@ fn relative_projection(tangent: vec3f, w: vec3f) -> f32 {
     return select(sine_between(tangent, w), FRAC_PI_4, fur.undercoat.isotropic == 1u);
 }
 
-// Extinction in 1/cm towards unit direction `w`: n_perp d sin(T, w) for n_perp fibres per area, of
-// diameter d.
+// Extinction in 1/cm towards unit direction `w`: n d sin(T, w) for hairs of diameter d and direction
+// T, n of them per area perpendicular to T.
 fn extinction(m: Medium, w: vec3f) -> f32 {
     return fur.undercoat.extinction * m.density * relative_projection(m.tangent, w);
 }

@@ -5,7 +5,7 @@ struct UndercoatParameters {
     layers: u32,
     noise_domain: u32,         // 0 object, 1 uv
     seed: u32,
-    extinction: f32,           // density x root diameter of the whole undercoat, 1/cm
+    extinction: f32,           // largest density times root diameter, 1/cm
     diameter_ratio: f32,       // tip / root
     noise_frequency: f32,      // 1/cm
     noise_contrast: f32,
@@ -22,7 +22,7 @@ struct UndercoatParameters {
     forward_scattering: f32,
     opacity_cut: f32,          // transmittance below which a ray ends
     virtual_fragments: u32,
-    density: f32,              // mean density, 1/cm2
+    density: f32,              // largest density, 1/cm2
     attenuation: f32,          // a of [Andersen2016] eq. 4, 1/cm
 }
 
@@ -40,7 +40,7 @@ struct LatticeParameters {
 
 struct LightParameters {
     count: u32,                // of all lights
-    keys: u32,                 // number of key lights, looked up one by one in the march
+    keys: u32,                 // number of key lights, shaded one by one in the march
     key_lights: vec2u,         // their numbers among the lights
     key_direction: array<vec4f, 2>,
     key_irradiance: array<vec4f, 2>,

@@ -13,16 +13,17 @@ fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium
     return medium;
 }
 
-// Whether the volume is stored or evaluated; fixed when the kernel is compiled, as an untaken
-// branch is not free on all adapters.
+// Whether the volume is stored or evaluated; fixed when the kernel is compiled, because a branch that
+// is not taken is not free on all adapters.
 override STORED: bool = true;
 
+// Medium of the subelement that contains a place.
 fn medium_at(place: ptr<function, Place>) -> Medium {
     let layer = min(u32(clamp((*place).t, 0.0, 1.0) * f32(fur.undercoat.layers)), fur.undercoat.layers - 1u);
     let id = subelement((*place).lambda, (*place).subdivision);
     if STORED {
         return unpack_medium(media_or_uv[volume_index(place, layer, id)]);
     }
-    // Rounded as in storage, so that the image does not depend on the choice.
+    // Rounded as when stored, so that the image does not depend on the choice.
     return unpack_medium(pack_medium(subelement_medium(place, layer, id)));
 }

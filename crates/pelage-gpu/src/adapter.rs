@@ -1,11 +1,11 @@
-//! Choice of the adapter and of its limits, with readable refusals.
+//! Choice of the adapter and its limits. An insufficient adapter is rejected with an error that lists what it lacks.
 
 use pelage_core::{Error, Result};
 
-/// What `pelage devices` shows of an adapter.
+/// Properties of an adapter as `pelage devices` lists them.
 #[derive(Debug, Clone, serde::Serialize)]
 pub struct AdapterSummary {
-    /// Name.
+    /// Name as the driver reports it.
     pub name: String,
     /// Vulkan, Metal, ...
     pub backend: String,
@@ -17,12 +17,11 @@ pub struct AdapterSummary {
     pub binding_bytes: u64,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    /// `None` if pelage runs on it, else what it lacks.
+    /// `None` if the adapter is sufficient, else the limits that it does not meet.
     pub lacks: Option<String>,
 }
 
-/// What to do without an adapter.
-/// What to do without an adapter.
+/// Advice for machines without a sufficient adapter, appended to error messages.
 pub const HELP: &str = "install a Vulkan driver; without a GPU, Mesa's software adapter will do \
                     (Debian and Ubuntu: mesa-vulkan-drivers, Fedora: mesa-vulkan-drivers, Arch: vulkan-swrast)";
 
@@ -39,7 +38,7 @@ fn driver(info: &wgpu::AdapterInfo) -> String {
     format!("{} {}", info.driver, info.driver_info).trim().to_owned()
 }
 
-/// All adapters that answer.
+/// All adapters of the backends in WGPU_BACKEND; without it, of the primary ones.
 pub fn list_adapters() -> Vec<AdapterSummary> {
     all(&instance())
         .iter()
@@ -58,7 +57,10 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
         .collect()
 }
 
-/// Chooses by WGPU_ADAPTER_NAME if set, else by WGPU_POWER_PREF, preferring real GPUs.
+/// The first adapter whose name contains WGPU_ADAPTER_NAME, ignoring case. Without that variable, the best sufficient adapter: discrete before integrated GPUs (the reverse with WGPU_POWER_PREF=low), then virtual GPUs, then the CPU.
+///
+/// # Errors
+/// [`Error::Adapter`] if there is no adapter, none of that name, or none that is sufficient.
 pub(super) fn select() -> Result<wgpu::Adapter> {
     let adapters = all(&instance());
     if adapters.is_empty() {
@@ -93,20 +95,23 @@ pub(super) fn select() -> Result<wgpu::Adapter> {
         .ok_or_else(|| Error::Adapter(format!("no adapter is sufficient: {}; {HELP}", lacking.join("; "))))
 }
 
-/// The limits that are asked for: WebGPU's defaults, with everything that bounds sizes raised to what the adapter has.
+/// The limits to request: WebGPU's defaults, with the sizes of buffers and storage bindings raised to those of the adapter.
+///
+/// # Errors
+/// [`Error::Adapter`] with every limit that the adapter does not meet.
 pub(super) fn limits_for(adapter: &wgpu::Adapter) -> Result<wgpu::Limits> {
     let has = adapter.limits();
     let needs = wgpu::Limits::default();
     let checks = [
         (
-            "storage buffers a shader stage",
+            "storage buffers per shader stage",
             u64::from(needs.max_storage_buffers_per_shader_stage),
             u64::from(has.max_storage_buffers_per_shader_stage),
         ),
         ("bytes of a storage binding", 128 << 20, has.max_storage_buffer_binding_size),
-        ("invocations a workgroup", 64, u64::from(has.max_compute_invocations_per_workgroup)),
-        ("workgroups a dimension", 65_535, u64::from(has.max_compute_workgroups_per_dimension)),
-        ("pixels of a texture's edge", 4096, u64::from(has.max_texture_dimension_2d)),
+        ("invocations per workgroup", 64, u64::from(has.max_compute_invocations_per_workgroup)),
+        ("workgroups per dimension", 65_535, u64::from(has.max_compute_workgroups_per_dimension)),
+        ("pixels along a texture's edge", 4096, u64::from(has.max_texture_dimension_2d)),
     ];
     let lacks: Vec<String> = checks
         .iter()

@@ -1,20 +1,20 @@
 //! Kernels: WGSL entry points whose bindings are found by name.
 //!
 //! A resource has one name everywhere: the buffer called `prisms` is bound wherever a shader declares `prisms`. Layouts come from
-//! naga's reflection of what the entry point uses, so that no binding number stands in Rust.
+//! naga's reflection of what the entry point uses, so that Rust code contains no binding numbers.
 
 use super::{Buffer, Gpu, shader};
 use pelage_core::{Error, Result};
 use std::collections::BTreeMap;
 
-/// What a name can stand for.
+/// A resource that can be bound to a name.
 #[derive(Clone, Copy)]
 pub enum Resource<'a> {
-    /// A buffer, whole.
+    /// The whole of a buffer.
     Buffer(&'a wgpu::Buffer),
     /// A texture.
     Texture(&'a wgpu::TextureView),
-    /// How a texture is read.
+    /// A sampler.
     Sampler(&'a wgpu::Sampler),
 }
 
@@ -28,7 +28,7 @@ impl Resource<'_> {
     }
 }
 
-/// Resources by name.
+/// Resources by the names under which shaders declare them.
 #[derive(Clone, Default)]
 pub struct Scope<'a>(BTreeMap<&'a str, Resource<'a>>);
 
@@ -42,7 +42,7 @@ impl<'a> Scope<'a> {
         scope
     }
 
-    /// The same scope with a resource under a name.
+    /// The same scope with `resource` added under `name`; it replaces an earlier one.
     pub fn and(&self, name: &'a str, resource: Resource<'a>) -> Self {
         let mut scope = self.clone();
         scope.0.insert(name, resource);
@@ -56,13 +56,13 @@ struct Binding {
     index: u32,
     ty: wgpu::BindingType,
     stages: wgpu::ShaderStages,
-    /// Bytes of the declared type, an array without a length counted as one element; 0 for textures and samplers.
+    /// Size of the declared type in bytes, a runtime-sized array counted as one element; 0 for textures and samplers.
     size: u64,
 }
 
 impl Binding {
-    /// Whether a buffer of `size` bytes can be what the shader declares. A uniform is one struct, and buffers are
-    /// allocated in multiples of 16 bytes.
+    /// Whether a buffer of `size` bytes fits the declaration. A uniform buffer must have the size of its struct, rounded up because buffers are
+    /// allocated in multiples of 16 bytes; a storage buffer may be larger than declared.
     fn takes(&self, size: u64) -> bool {
         match self.ty {
             wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. } => {
@@ -119,7 +119,7 @@ impl Interface {
             return Err(Error::gpu(
                 stem,
                 format!(
-                    "{entries:?} use {storage} storage buffers, the adapter has room for {}",
+                    "{entries:?} use {storage} storage buffers, the adapter allows {}",
                     gpu.limits.max_storage_buffers_per_shader_stage
                 ),
             ));
@@ -172,7 +172,7 @@ impl Interface {
                     return Err(Error::gpu(
                         &self.stem,
                         format!(
-                            "{} is bound to `{}`, which the shader declares otherwise",
+                            "{} is bound to `{}`, which the shader declares as another kind of resource",
                             found.kind(),
                             binding.name
                         ),
@@ -189,7 +189,7 @@ impl Interface {
     }
 }
 
-/// Bytes of a buffer's declared type, an array without a length counted as one element.
+/// Size of a buffer's declared type in bytes, a runtime-sized array counted as one element; 0 for other resources.
 fn size_of(module: &naga::Module, variable: &naga::GlobalVariable) -> u64 {
     match variable.space {
         naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. } => {
@@ -239,7 +239,12 @@ fn binding_type(
             }
             ref other => return Err(unsupported(stem, variable, other)),
         },
-        space => return Err(Error::gpu(stem, format!("binding {:?} lies in {space:?}", variable.name))),
+        space => {
+            return Err(Error::gpu(
+                stem,
+                format!("binding {:?} is in the unsupported address space {space:?}", variable.name),
+            ));
+        }
     })
 }
 
@@ -247,7 +252,7 @@ fn unsupported(stem: &str, variable: &naga::GlobalVariable, found: &dyn std::fmt
     Error::gpu(stem, format!("binding {:?} has an unsupported type {found:?}", variable.name))
 }
 
-/// Compiles a module, with naga's faults mapped to file and line.
+/// Compiles a module; errors are reported with file and line.
 fn compile(gpu: &Gpu, stem: &str) -> Result<(wgpu::ShaderModule, naga::Module, naga::valid::ModuleInfo)> {
     let (resolved, module, info) = shader::validate(gpu.sources, stem)?;
     let compiled = gpu.device.create_shader_module(wgpu::ShaderModuleDescriptor {
@@ -260,7 +265,7 @@ fn compile(gpu: &Gpu, stem: &str) -> Result<(wgpu::ShaderModule, naga::Module, n
 
 /// A compute entry point.
 pub struct Kernel {
-    /// `stem.entry`.
+    /// `stem.entry`, the label in recordings and timings.
     pub label: String,
     /// Stem of the pass.
     pub stem: &'static str,
@@ -277,7 +282,7 @@ impl Kernel {
         Self::specialised(gpu, stem, entry, &[])
     }
 
-    /// The same with values for the shader's `override` constants.
+    /// As [`Kernel::new`], with values for the shader's `override` constants.
     ///
     /// # Errors
     /// As [`Kernel::new`].
@@ -290,7 +295,7 @@ impl Kernel {
         let (compiled, module, info) = compile(gpu, stem)?;
         if !module.entry_points.iter().any(|e| e.name == entry) {
             let known: Vec<&str> = module.entry_points.iter().map(|e| e.name.as_str()).collect();
-            return Err(Error::gpu(stem, format!("no entry point `{entry}`; there are {known:?}")));
+            return Err(Error::gpu(stem, format!("no entry point `{entry}`; the shader has {known:?}")));
         }
         let interface =
             Interface::reflect(gpu, stem, &module, &info, &[(entry, wgpu::ShaderStages::COMPUTE)])?;
@@ -317,27 +322,27 @@ impl Kernel {
     }
 }
 
-/// What a raster kernel writes to.
+/// Output of a raster kernel, and the fixed-function state that goes with it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Target {
-    /// Triangle numbers with a depth test; both sides are seen.
+    /// Triangle numbers, with depth test and depth writes; both sides are drawn.
     TriangleIds,
-    /// Nothing but what the fragment stage stores; front faces only.
+    /// No colour target: the fragment stage writes to storage buffers. Front faces only, no depth test.
     Records,
     /// Premultiplied colours with a depth test.
     Color {
-        /// Lies over what is there; else it replaces it.
+        /// Blends over the target; otherwise replaces it.
         over: bool,
         /// Writes depth.
         solid: bool,
-        /// Both sides are seen; else front faces only.
+        /// Draws both sides; otherwise front faces only.
         both_sides: bool,
     },
 }
 
-/// A vertex and a fragment entry point.
+/// A pair of vertex and fragment entry points.
 pub struct RasterKernel {
-    /// `stem.vertex`.
+    /// `stem.vertex`, the label in recordings and timings.
     pub label: String,
     /// Stem of the pass.
     pub stem: &'static str,
@@ -346,9 +351,9 @@ pub struct RasterKernel {
     interface: Interface,
 }
 
-/// Format of the triangle numbers.
+/// Format of triangle numbers.
 pub const ID_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::R32Uint;
-/// Format of pictures.
+/// Format of colour targets.
 pub const COLOR_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Rgba16Float;
 /// Format of the depth buffer.
 pub const DEPTH_FORMAT: wgpu::TextureFormat = wgpu::TextureFormat::Depth32Float;
@@ -362,7 +367,7 @@ impl RasterKernel {
         Self::specialised(gpu, stem, [vertex, fragment], target, &[])
     }
 
-    /// The same with values for the shader's `override` constants.
+    /// As [`RasterKernel::new`], with values for the shader's `override` constants.
     ///
     /// # Errors
     /// As [`RasterKernel::new`].
@@ -382,11 +387,11 @@ impl RasterKernel {
             bind_group_layouts: &[Some(&interface.layout)],
             immediate_size: 0,
         });
-        // Depth is reversed: nearer is greater.
+        // Reversed depth: nearer is greater.
         use wgpu::CompareFunction as Compare;
         let (format, over, solid, both_sides, compare) = match target {
             Target::TriangleIds => (Some(ID_FORMAT), false, true, true, Compare::Greater),
-            // Even a pass without a picture needs a target, for its size.
+            // Without a colour target, the depth target alone sets the size of the render area.
             Target::Records => (None, false, false, false, Compare::Always),
             Target::Color { over, solid, both_sides } => {
                 (Some(COLOR_FORMAT), over, solid, both_sides, Compare::GreaterEqual)

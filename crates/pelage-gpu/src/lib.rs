@@ -1,4 +1,4 @@
-//! The GPU: one place for the adapter, its limits, kernels by reflection, counted memory and timed recordings.
+//! The GPU layer: adapter and limits, kernels bound by reflection, counted memory, timed recordings. It knows no pass.
 
 pub mod adapter;
 pub mod kernel;
@@ -17,29 +17,30 @@ use std::any::{Any, TypeId};
 use std::collections::HashMap;
 use std::sync::{Arc, Mutex};
 
-/// An open device with everything that the passes need of it.
+/// An open device with its limits, the count of its memory, the shader sources and compiled passes.
 pub struct Gpu {
     /// The device.
     pub device: wgpu::Device,
     /// Its queue.
     pub queue: wgpu::Queue,
-    /// Name, driver, type.
+    /// Name, driver and type of the adapter.
     pub info: wgpu::AdapterInfo,
-    /// Limits granted.
+    /// Limits of the device.
     pub limits: wgpu::Limits,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    /// The adapter is the CPU: passes are timed by the clock, one by one.
+    /// Whether the adapter runs on the CPU. Each pass is then submitted alone and timed by the wall clock.
     pub software: bool,
-    /// Allocations alive and their peak.
+    /// Bytes allocated now and at peak.
     pub ledger: Arc<Ledger>,
     faults: Arc<Mutex<Faults>>,
-    /// Where the texts of shaders are found.
+    /// Finds the text of a shader by its name.
     sources: Sources,
+    /// Results of [`Gpu::keep`] by type and key.
     kept: Mutex<HashMap<(TypeId, usize), Arc<dyn Any + Send + Sync>>>,
 }
 
-/// What the device reported outside any error scope.
+/// Errors that the device reported outside error scopes.
 #[derive(Default)]
 struct Faults {
     lost: Option<String>,
@@ -48,11 +49,11 @@ struct Faults {
 }
 
 impl Gpu {
-    /// Opens the adapter that the environment asks for (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF), for the shaders
-    /// that `sources` finds.
+    /// Opens the adapter that the environment selects (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF); shaders are read from
+    /// `sources`.
     ///
     /// # Errors
-    /// [`Error::Adapter`] if no adapter answers, none has the asked name, or its limits are below what the passes need.
+    /// [`Error::Adapter`] if there is no adapter, none of the requested name, its limits are below what the passes need, or it opens no device.
     pub fn open(sources: Sources) -> Result<Self> {
         let adapter = adapter::select()?;
         let info = adapter.get_info();
@@ -98,7 +99,7 @@ impl Gpu {
         })
     }
 
-    /// What `make` made for this `key` at the first call: kernels are compiled once a device and variant.
+    /// The result of `make`, which is called once per type and `key` and its result kept with the device, so that kernels are compiled once per device and variant.
     ///
     /// # Errors
     /// Those of `make`.
@@ -118,11 +119,14 @@ impl Gpu {
         Ok(made)
     }
 
-    /// An error if the device reported one since the last call; `during` names the pass.
+    /// Fails if the device has reported an error since the last call; `during` names the pass.
+    ///
+    /// # Errors
+    /// [`Error::DeviceLost`], [`Error::OutOfMemory`] or [`Error::Gpu`].
     pub fn check(&self, during: &str) -> Result<()> {
         let faults = || self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if !faults().errors.is_empty() {
-            // What is done with a lost device fails in many ways; that it is lost may be told only now.
+            // Calls on a lost device fail in many ways; the loss itself may be reported only by this poll.
             self.device.poll(wgpu::PollType::Poll).ok();
         }
         let mut faults = faults();
@@ -139,15 +143,15 @@ impl Gpu {
         }
     }
 
-    /// Largest buffer that one binding can show, bytes.
+    /// Size of the largest buffer that fits one binding, bytes.
     pub fn binding_limit(&self) -> u64 {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
-    /// A storage buffer of `size` bytes, zeroed, counted under `step` of Table 1.
+    /// A zeroed storage buffer of `size` bytes, rounded up to a multiple of 16 and counted under row `step` of the paper's Table 1.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if it does not fit one binding or the device has no room.
+    /// [`Error::OutOfMemory`] if it does not fit one binding or the device is out of memory.
     pub fn storage(&self, name: &'static str, step: u32, size: u64) -> Result<Buffer> {
         let size = size.max(16).next_multiple_of(16);
         if size > self.binding_limit() {
@@ -202,7 +206,7 @@ impl Gpu {
         Ok(Buffer::new(raw, name, size, step, self.ledger.clone()))
     }
 
-    /// Reads a storage buffer back.
+    /// Reads the first `bytes` bytes of a storage buffer back, after all submitted work.
     ///
     /// # Errors
     /// [`Error::DeviceLost`] or [`Error::Gpu`] if the copy fails.
@@ -215,18 +219,18 @@ impl Gpu {
         self.queue.submit([encoder.finish()]);
         let (sender, done) = std::sync::mpsc::channel();
         staging.raw.map_async(wgpu::MapMode::Read, 0..size, move |r| {
-            // Nobody waits any more where the device was lost meanwhile.
+            // The receiver is gone if the device was lost meanwhile.
             let _ = sender.send(r);
         });
         self.wait(buffer.name)?;
-        // Another thread that waits on the same device may be the one that runs the callback, a moment later.
+        // Another thread that polls the same device may run the callback slightly later than this one returns from its wait.
         match done.recv_timeout(std::time::Duration::from_secs(10)) {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(Error::gpu(buffer.name, e)),
             Err(_) => {
                 return Err(Error::DeviceLost {
                     during: buffer.name.into(),
-                    reason: "a read-back never came".into(),
+                    reason: "no buffer was read back within 10 s".into(),
                 });
             }
         }
@@ -234,10 +238,10 @@ impl Gpu {
         Ok(bytemuck::pod_collect_to_vec(&view[..bytes.min(buffer.size) as usize]))
     }
 
-    /// Waits until everything submitted is done.
+    /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`] if the device is lost meanwhile.
+    /// [`Error::DeviceLost`] if the device is lost meanwhile; else as [`Gpu::check`].
     pub fn wait(&self, during: &str) -> Result<()> {
         self.device
             .poll(wgpu::PollType::wait_indefinitely())

@@ -1,11 +1,11 @@
-//! Counted GPU memory.
+//! Buffers that are counted while they live, and sets of them by name.
 
 use super::Scope;
 use pelage_core::{Error, Result};
 use std::collections::BTreeMap;
 use std::sync::{Arc, Mutex};
 
-/// Bytes of GPU memory alive now and at most, altogether and by the rows of Table 1.
+/// Bytes of GPU memory in buffers, now and at peak: in total and by row of the paper's Table 1.
 #[derive(Debug, Default)]
 pub struct Ledger(Mutex<Counts>);
 
@@ -43,17 +43,17 @@ impl Ledger {
         });
     }
 
-    /// Bytes alive now.
+    /// Bytes allocated now.
     pub fn current(&self) -> u64 {
         self.with(|c| c.current)
     }
 
-    /// Largest number of bytes alive at once.
+    /// Largest number of bytes allocated at once.
     pub fn peak(&self) -> u64 {
         self.with(|c| c.peak)
     }
 
-    /// Forgets earlier peaks: from here on they count what is alive now and what comes.
+    /// Restarts the peaks from what is allocated now.
     pub fn reset_peaks(&self) {
         self.with(|c| {
             c.peak = c.current;
@@ -61,7 +61,7 @@ impl Ledger {
         });
     }
 
-    /// Largest number of bytes alive at once for a row of Table 1.
+    /// Largest number of bytes allocated at once for a row of the paper's Table 1.
     pub fn peak_of_step(&self, step: u32) -> u64 {
         self.with(|c| c.peak_by_step.get(&step).copied().unwrap_or(0))
     }
@@ -71,7 +71,7 @@ impl Ledger {
 pub struct Buffer {
     /// The buffer.
     pub raw: wgpu::Buffer,
-    /// Its name: that of the shader variable it is bound to.
+    /// Name of the shader variable to which it is bound.
     pub name: &'static str,
     /// Bytes.
     pub size: u64,
@@ -98,7 +98,7 @@ impl Buffer {
     }
 }
 
-/// Buffers that live together, by name.
+/// A set of buffers with different names.
 #[derive(Default)]
 pub struct Buffers(Vec<Buffer>);
 
@@ -117,11 +117,11 @@ impl Buffers {
     /// A buffer by its name.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names of the set.
     pub fn get(&self, name: &str) -> Result<&Buffer> {
         self.0.iter().find(|buffer| buffer.name == name).ok_or_else(|| {
             let known: Vec<&str> = self.0.iter().map(|buffer| buffer.name).collect();
-            Error::gpu(name, format!("there is no buffer of this name; there are {known:?}"))
+            Error::gpu(name, format!("there is no buffer of this name, only {known:?}"))
         })
     }
 

@@ -1,23 +1,23 @@
-//! Recording of passes: named dispatches with a timestamp each.
+//! Recording of passes: labelled dispatches and draws, each of them timed.
 
 use super::kernel::Target;
 use super::{Buffer, Gpu, Kernel, RasterKernel, Scope};
 use pelage_core::{Error, Result};
 use std::collections::BTreeMap;
 
-/// Timestamp queries of one recording.
+/// Timestamp queries per recording, two per pass. Passes beyond that have no time.
 const QUERIES: u32 = 512;
 
-/// Samples around the tile that the viewport covers as well, so that triangles are not clipped at the tile's edge; the same
-/// number stands in `shaders/shared/frame.wgsl`.
+/// Samples around the tile that the viewport also covers, so that triangles are not clipped at the tile's edge. Must equal
+/// `RASTER_MARGIN` in `shaders/shared/frame.wgsl`.
 pub const RASTER_MARGIN: f32 = 1024.0;
 
-/// GPU time of passes by `stem.entry`, over all recordings.
+/// Times of passes by label (`stem.entry`), summed over recordings.
 #[derive(Debug, Clone, Default)]
 pub struct Timings {
-    /// Milliseconds and dispatches; the time is `None` where the adapter cannot tell.
+    /// Milliseconds and number of dispatches; the time is `None` where the driver gives none.
     pub passes: BTreeMap<String, (Option<f64>, u64)>,
-    /// Order of first use.
+    /// Labels in the order of first use.
     pub order: Vec<String>,
 }
 
@@ -32,24 +32,24 @@ impl Timings {
     }
 }
 
-/// The textures that raster passes write.
+/// The targets of raster passes.
 pub struct RasterTargets<'a> {
-    /// Triangle numbers, or colours.
+    /// Colour target: triangle numbers or colours.
     pub ids: &'a wgpu::TextureView,
-    /// Depth.
+    /// Depth target.
     pub depth: &'a wgpu::TextureView,
-    /// Samples that are used of them.
+    /// Samples that are drawn, from the upper left corner; the textures may be larger.
     pub size: [u32; 2],
 }
 
-/// One command buffer in the making.
+/// A command buffer that is being recorded.
 pub struct Recorder<'g> {
     gpu: &'g Gpu,
     encoder: wgpu::CommandEncoder,
     queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
     labels: Vec<String>,
-    /// Milliseconds of each pass by the clock, on software adapters. Mesa's has timestamps, but once it has rasterised anything they
-    /// no longer enclose the compute passes.
+    /// Milliseconds of each pass by the wall clock, on software adapters only: Mesa's timestamps no longer enclose compute passes once
+    /// anything has been rasterised.
     clock: Vec<f64>,
 }
 
@@ -85,10 +85,10 @@ impl<'g> Recorder<'g> {
         (self.queries.is_some() && first + 2 <= QUERIES).then_some((first, first + 1))
     }
 
-    /// Runs `kernel` for `invocations` invocations, folded to two dimensions where they are many.
+    /// Records `invocations` invocations of `kernel` in workgroups of 64, folded to two dimensions where one does not hold them.
     ///
     /// # Errors
-    /// [`Error::Gpu`] if a binding has no resource or the dispatch exceeds what two dimensions hold.
+    /// [`Error::Gpu`] if a binding has no resource or two dimensions do not hold the dispatch.
     pub fn dispatch(&mut self, kernel: &Kernel, scope: &Scope<'_>, invocations: u64) -> Result<()> {
         if invocations == 0 {
             return Ok(());
@@ -122,7 +122,7 @@ impl<'g> Recorder<'g> {
         self.run_by_clock()
     }
 
-    /// Draws `vertices` vertices on cleared targets.
+    /// Records a draw of `vertices` vertices to cleared targets.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a binding has no resource.
@@ -136,7 +136,7 @@ impl<'g> Recorder<'g> {
         self.draw_instances(kernel, scope, targets, [vertices, 1], true)
     }
 
-    /// Draws instances of vertices, in this order, on `targets`, which are cleared before or not.
+    /// Records a draw of `instances` instances of `vertices` vertices each, in order. `clear`: clears the targets first.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a binding has no resource.
@@ -191,7 +191,7 @@ impl<'g> Recorder<'g> {
         self.run_by_clock()
     }
 
-    /// On a software adapter: runs what was recorded and takes its time.
+    /// On a software adapter, submits what was recorded and measures its time; does nothing otherwise.
     fn run_by_clock(&mut self) -> Result<()> {
         if !self.gpu.software {
             return Ok(());
@@ -205,15 +205,15 @@ impl<'g> Recorder<'g> {
         Ok(())
     }
 
-    /// Zeroes the first `bytes` of a buffer.
+    /// Records the zeroing of the first `bytes` bytes of a buffer.
     pub fn clear(&mut self, buffer: &Buffer, bytes: u64) {
         self.encoder.clear_buffer(&buffer.raw, 0, Some(bytes.min(buffer.size).next_multiple_of(4)));
     }
 
-    /// Submits, waits, and adds the times to `timings`.
+    /// Submits the recording, waits for it, and adds its times to `timings`.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::OutOfMemory`] or [`Error::Gpu`] with the last pass recorded.
+    /// [`Error::DeviceLost`], [`Error::OutOfMemory`] or [`Error::Gpu`]; they name the last pass recorded.
     pub fn submit(mut self, timings: &mut Timings) -> Result<()> {
         let used = (2 * self.labels.len() as u32).min(QUERIES);
         let mut readback = None;
@@ -240,7 +240,7 @@ impl<'g> Recorder<'g> {
             Some(bytemuck::pod_collect_to_vec(&view))
         });
         for (i, label) in self.labels.iter().enumerate() {
-            // Some drivers leave timestamps at zero: then there is no figure, not a figure of zero.
+            // Some drivers leave timestamps at zero: the time is then unknown, not zero.
             let ms = ticks
                 .as_ref()
                 .and_then(|t| t.get(2 * i).zip(t.get(2 * i + 1)))

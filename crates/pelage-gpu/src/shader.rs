@@ -1,4 +1,4 @@
-//! Shader sources and their once-only textual imports.
+//! Shader sources, and textual imports that include each file once.
 
 use pelage_core::{Error, Result};
 
@@ -8,7 +8,7 @@ use std::sync::Arc;
 /// Finds the text of a shader by its name, such as `resolve` or `shared/oit`.
 pub type Sources = fn(&str) -> Option<Cow<'static, str>>;
 
-/// A shader with its imports, and for each line where it came from.
+/// A shader with its imports resolved, and the origin of each line.
 pub struct Resolved {
     /// WGSL.
     pub text: String,
@@ -25,17 +25,17 @@ impl Resolved {
     }
 }
 
-/// The shader called `name` with every `#import FILE` replaced by that file, each file once.
+/// The shader called `name` with `#import FILE` replaced by that file at its first occurrence and by nothing at later ones.
 ///
 /// # Errors
-/// [`Error::Gpu`] for an unknown name, with the place of the import.
+/// [`Error::Gpu`] for an unknown name, with file and line of the import.
 pub fn resolve(sources: Sources, name: &str) -> Result<Resolved> {
     let mut resolved = Resolved { text: String::new(), lines: Vec::new() };
     include(sources, name, "the program", &mut Vec::new(), &mut resolved)?;
     Ok(resolved)
 }
 
-/// As [`resolve`], of a text that no file holds; `name` stands for it in messages.
+/// As [`resolve`], for a text that is no file; messages call it `name`.
 ///
 /// # Errors
 /// As [`resolve`].
@@ -81,10 +81,10 @@ fn append(
     Ok(())
 }
 
-/// Parses and validates; faults name file and line.
+/// Resolves, parses and validates the shader called `name`.
 ///
 /// # Errors
-/// [`Error::Gpu`] with naga's message.
+/// [`Error::Gpu`] with naga's message, file and line.
 pub fn validate(sources: Sources, name: &str) -> Result<(Resolved, naga::Module, naga::valid::ModuleInfo)> {
     let resolved = resolve(sources, name)?;
     let module = naga::front::wgsl::parse_str(&resolved.text).map_err(|e| {

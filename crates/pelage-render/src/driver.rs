@@ -1,4 +1,4 @@
-//! Rendering a [`World`] to a [`Film`]: what is done so far, across the loss of a device.
+//! Renders a [`World`] to a [`Film`]; keeps the finished tiles when the device is lost, and continues on a new one.
 
 use crate::options::RenderOptions;
 use crate::passes;
@@ -17,41 +17,41 @@ use std::time::Instant;
 /// A finished (or interrupted) rendering.
 #[derive(Debug, Clone)]
 pub struct Frame {
-    /// The image: fur and skin over nothing, premultiplied.
+    /// The image without background, premultiplied.
     pub film: Film,
-    /// Counts, times, bytes.
+    /// Counts, times and bytes.
     pub stats: Stats,
-    /// False if `cancel` or a `fault` ended it early: then some tiles are empty.
+    /// False if `cancel` or a `fault` ended it early; unfinished tiles are empty.
     pub complete: bool,
-    /// The device was lost, and lost again when it had been opened anew; the film holds the tiles done before.
+    /// The loss of the device that ended the rendering; the film holds the tiles finished before it.
     pub fault: Option<Error>,
 }
 
 /// A rendering in progress: what survives the loss of a device.
 pub struct Rendering {
     started: Instant,
-    /// The tiles that are done.
+    /// The film with the tiles finished so far.
     pub film: Film,
     /// Times of the passes so far.
     pub timings: Timings,
     /// Counts so far.
     pub stats: Stats,
-    /// Tiles done.
+    /// Number of tiles finished.
     pub done: usize,
-    /// Tiles in all; they are the same on a device with the same limits.
+    /// Number of tiles; 0 before the first device has chosen it. A second device with the same limits chooses the same.
     total: usize,
 }
 
-/// Renders the tiles that are not done yet; false if it was cancelled.
+/// Renders the tiles that are not finished yet; returns false if it was cancelled.
 pub type Run = dyn Fn(&mut Rendering, &Gpu, &World, &RenderOptions<'_>) -> Result<bool>;
 
 /// Renders `world` by `run` on a device that `open` opens.
 ///
-/// A device that is lost is opened again once, and the rendering goes on with the tile that was lost. If that fails
-/// too, the frame holds the tiles that are done, and the fault.
+/// If the device is lost, it is opened once more and rendering continues with the tile that was lost. If that fails
+/// too, the frame holds the finished tiles and the fault.
 ///
 /// # Errors
-/// [`Error::DeviceLost`] before the first tile is done, and those of `open` and `run`.
+/// [`Error::DeviceLost`] before the first tile is finished, and those of `open` and `run`.
 pub fn drive(
     open: &dyn Fn() -> Result<Gpu>,
     world: &World,
@@ -61,8 +61,8 @@ pub fn drive(
     let mut rendering = Rendering::new(world, options);
     let mut outcome = run(&mut rendering, &open()?, world, options);
     if let Err(Error::DeviceLost { during, reason }) = &outcome {
-        tracing::warn!("the GPU device was lost during {during} ({reason}); it is opened again");
-        // Where it does not open, the first loss is what is reported.
+        tracing::warn!("the GPU device was lost during {during} ({reason}); opening it again");
+        // If it does not open, the first loss is reported.
         if let Ok(gpu) = open() {
             outcome = run(&mut rendering, &gpu, world, options);
         }
@@ -70,7 +70,7 @@ pub fn drive(
     rendering.end(outcome)
 }
 
-/// Renders `world` by `run` on an open device; if it is lost, the frame holds the tiles that are done, and the fault.
+/// Renders `world` by `run` on an open device; if that is lost, the frame holds the finished tiles and the fault.
 ///
 /// # Errors
 /// As [`drive`].
@@ -80,7 +80,7 @@ pub fn drive_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>, run: &Run
     rendering.end(outcome)
 }
 
-/// Renders hybrid fur: the [`Run`] of every `render.fur` but `shells`.
+/// Renders hybrid fur: the [`Run`] for every `render.fur` except `shells`.
 ///
 /// # Errors
 /// [`Error::OutOfMemory`] if even the smallest tile does not fit, [`Error::DeviceLost`], [`Error::Gpu`].
@@ -111,7 +111,7 @@ impl Rendering {
         let jobs = tiles.jobs(options.crop);
         tiles.bin(&jobs, &mut self.timings)?;
         if self.total != jobs.len() {
-            // The first device, or another one with other limits: from the start.
+            // The first device, or one with other limits: start over.
             (self.done, self.total, self.stats) = (0, jobs.len(), first_stats(gpu, scene, &prepared));
         }
         tiles.stats = self.stats.clone();
@@ -123,7 +123,7 @@ impl Rendering {
             }
             options.report(self.done as f32 / self.total as f32, "resolve");
             match tiles.render(job, &mut self.film, &mut self.timings) {
-                // A tile that is interrupted between its passes over the image is left out.
+                // A tile interrupted between its passes over the image is left out.
                 Err(Error::Interrupted) => {
                     complete = false;
                     break;
@@ -138,12 +138,12 @@ impl Rendering {
         Ok(complete)
     }
 
-    /// Ends the statistics with what the device counted.
+    /// Adds the times and bytes measured on the device to the statistics.
     pub fn finish_stats(&mut self, gpu: &Gpu) {
         fill_stats(&mut self.stats, gpu, &self.timings);
     }
 
-    /// The frame, also of a rendering that lost its device after some tiles.
+    /// The frame of a finished, cancelled or failed rendering. A lost device is an error only if no tile was finished.
     fn end(mut self, outcome: Result<bool>) -> Result<Frame> {
         let (complete, fault) = match outcome {
             Ok(complete) => (complete, None),
@@ -155,7 +155,7 @@ impl Rendering {
     }
 }
 
-/// What is known before the first tile is done.
+/// Statistics known before the first tile.
 fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
     Stats {
         triangles: u64::from(prepared.triangles),
@@ -166,7 +166,7 @@ fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
     }
 }
 
-/// What the device and the scene tell.
+/// Statistics that follow from the device and the scene alone.
 pub fn known_stats(gpu: &Gpu, scene: &Scene) -> Stats {
     Stats {
         adapter: gpu.info.name.clone(),
@@ -181,7 +181,7 @@ pub fn known_stats(gpu: &Gpu, scene: &Scene) -> Stats {
     }
 }
 
-/// Times and bytes of the passes.
+/// Adds times and peak bytes, by pass and by row of the paper's Table 1.
 fn fill_stats(stats: &mut Stats, gpu: &Gpu, timings: &Timings) {
     stats.gpu_peak_bytes = gpu.ledger.peak();
     let mut steps: Vec<Step> = passes::STEP_NAMES

@@ -1,18 +1,18 @@
 //! The parts of a film that are rendered one after the other.
 
-/// A rectangle of pixels, and the bin of strands that may touch it.
+/// A tile: a rectangle of pixels, and the bin of strands that may touch it.
 #[derive(Debug, Clone, Copy)]
 pub struct Job {
-    /// First pixel.
+    /// Upper left pixel.
     pub origin: [u32; 2],
-    /// Pixels.
+    /// Width and height, pixels.
     pub size: [u32; 2],
     /// Number of the tile that holds it, row by row.
     pub(crate) bin: u32,
 }
 
 impl Job {
-    /// Tiles of `edge` pixels that cover a film of `size` pixels, row by row; only the parts within `crop` (x0 x1 y0 y1 in 0..1).
+    /// Tiles with edges of `edge` pixels that cover a film of `size` pixels, row by row, cut to `crop` (x0 x1 y0 y1 in 0..1).
     pub fn grid(size: [u32; 2], edge: u32, crop: Option<[f32; 4]>) -> Vec<Self> {
         let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
         let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;

@@ -1,4 +1,4 @@
-//! The hybrid renderer: passes, preparation, tiles, and the CPU twins that tests compare with.
+//! The hybrid renderer: passes, preparation, tiles, the CPU twins of the passes, and a probe that reads every step back.
 
 pub mod driver;
 pub mod job;

@@ -1,38 +1,38 @@
-//! What a caller chooses for a rendering beside the scene, and what it is told on the way.
+//! Options of a rendering, and the reports of its progress.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What a rendering needs beside the world.
+/// Options of a rendering that are not part of the scene.
 #[derive(Default)]
 pub struct RenderOptions<'a> {
-    /// Part of the film that is rendered, x0 x1 y0 y1 in 0..1; the rest stays empty.
+    /// Part of the film to render, x0 x1 y0 y1 in 0..1; the rest stays empty. `None`: all of it.
     pub crop: Option<[f32; 4]>,
-    /// Keep all planes, not only `R G B A`.
+    /// Whether the film keeps all of [`crate::planes::PLANES`], not only `R G B A`.
     pub aovs: bool,
-    /// Called after each chunk of work.
+    /// Called at the start, before each tile, and at the end.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// Seconds since the animation's first frame: forces bend shells and fins as they do then. 0: at rest.
+    /// Seconds since the first frame of the animation, for the forces that bend shells and fins. 0: at rest.
     pub time: f64,
-    /// When it becomes true, rendering stops after the current chunk and returns what there is.
+    /// When it becomes true, rendering stops after the current pass over a tile and returns the finished tiles.
     pub cancel: Option<&'a AtomicBool>,
 }
 
 /// How far a rendering is.
 #[derive(Debug, Clone, Copy)]
 pub struct Progress {
-    /// Part of the work that is done, 0..1.
+    /// Finished part of the work, 0..1.
     pub done: f32,
-    /// What is going on, a pass stem.
+    /// Stem of a pass of the current step.
     pub stage: &'static str,
 }
 
 impl RenderOptions<'_> {
-    /// Planes that the film pass writes.
+    /// Number of planes that the film pass writes: 20 or 4.
     pub fn planes(&self) -> u32 {
         if self.aovs { 20 } else { 4 }
     }
 
-    /// Reports how far the rendering is, 0..1, and what it does.
+    /// Reports progress: the finished part, 0..1, and the stem of a pass.
     pub fn report(&self, done: f32, stage: &'static str) {
         if let Some(progress) = self.progress {
             progress(Progress { done, stage });

@@ -1,4 +1,7 @@
-//! The passes, one file a stem: Rust record, WGSL shader, CPU twin and test carry the same name.
+//! The passes. Each has a stem, which names this module's file, the WGSL shader, the CPU twin and the test.
+//!
+//! `record` methods list the names that must be in scope when they are called, that is the bindings of the kernels that the
+//! method does not create itself.
 //!
 //! | step of the paper | passes |
 //! |---|---|
@@ -9,7 +12,6 @@
 //! | 5 shell | [`shell_entry`], [`undercoat_march`] |
 //! | 6 strands | [`guard_bins`], [`guard_raster`] |
 //! | 7 blending | [`resolve`], [`film`] |
-//! | shells and fins | [`shellfin_rows`], [`shellfin_raster`] |
 
 pub mod base_raster;
 pub mod edge_table;
@@ -35,18 +37,18 @@ use pelage_fur::fibre::MODELS;
 use pelage_gpu::Gpu;
 use std::sync::Arc;
 
-/// What the passes are compiled for.
+/// What the passes are compiled for: values of the shaders' `override` constants.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Variant {
-    /// Densities are stored, not evaluated.
+    /// Whether densities are stored or evaluated while marching.
     pub stored: bool,
-    /// Key lights are followed by a march at every step, not looked up.
+    /// Whether optical depths towards key lights are found by a nested march at every step instead of by lookup.
     pub nested: bool,
-    /// Scattering of the guard hairs, a number of [`pelage_fur::fibre::Fibre::number`].
+    /// Fibre model of the guard hairs, see [`pelage_fur::fibre::Fibre::number`].
     pub guard: u32,
-    /// Scattering of the undercoat.
+    /// Fibre model of the undercoat.
     pub undercoat: u32,
-    /// How light scattered by more than one hair is found: 0 not or by similarity, 1 dual scattering, 2 transport.
+    /// Multiple scattering: 0 none or similarity, 1 dual scattering, 2 transport.
     pub multiple: u32,
 }
 
@@ -54,7 +56,7 @@ impl Variant {
     /// Number of variants.
     pub const COUNT: usize = 12 * (MODELS * MODELS) as usize;
 
-    /// A number below [`Variant::COUNT`].
+    /// Number of the variant, below [`Variant::COUNT`].
     pub fn index(self) -> usize {
         let models = self.guard.min(MODELS - 1) * MODELS + self.undercoat.min(MODELS - 1);
         usize::from(self.stored)
@@ -62,7 +64,7 @@ impl Variant {
             + 4 * (models * 3 + self.multiple.min(2)) as usize
     }
 
-    /// Values of the shaders' `override` constants.
+    /// The constants of the kernels that march the undercoat.
     fn constants(self) -> [(&'static str, f64); 3] {
         [
             ("STORED", f64::from(u8::from(self.stored))),
@@ -71,16 +73,17 @@ impl Variant {
         ]
     }
 
+    /// The constant that selects the model of multiple scattering.
     fn multiple(self) -> (&'static str, f64) {
         ("MULTIPLE", f64::from(self.multiple))
     }
 
-    /// The constant that fixes the guard hairs' model.
+    /// The constant that selects the fibre model of the guard hairs.
     pub fn guard(self) -> (&'static str, f64) {
         ("GUARD_MODEL", f64::from(self.guard))
     }
 
-    /// The constant that fixes the undercoat's model.
+    /// The constant that selects the fibre model of the undercoat.
     pub fn undercoat(self) -> (&'static str, f64) {
         ("UNDERCOAT_MODEL", f64::from(self.undercoat))
     }
@@ -127,7 +130,7 @@ pub struct Passes {
 }
 
 impl Passes {
-    /// Every kernel for a variant, compiled at the first call on this device.
+    /// All kernels of a variant; compiled at the first call and kept with the device.
     ///
     /// # Errors
     /// As [`Passes::new`].
@@ -135,7 +138,7 @@ impl Passes {
         gpu.keep(variant.index(), || Self::new(gpu, variant))
     }
 
-    /// Compiles every kernel, for a variant.
+    /// Compiles all kernels of a variant.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of a fault in a shader.
@@ -163,7 +166,7 @@ impl Passes {
     }
 }
 
-/// The row of the paper's Table 1 that a pass belongs to; 7 with the film.
+/// The row of the paper's Table 1 to which a pass belongs; 7 for resolve, film and unknown stems.
 pub fn step_of(stem: &str) -> u32 {
     match stem {
         "edge_table" | "shell_prisms" | "hair_roots" => 1,
@@ -177,7 +180,8 @@ pub fn step_of(stem: &str) -> u32 {
     }
 }
 
-/// Row names of the paper's Table 1.
+/// Names of the rows of the paper's Table 1.
+// [Andersen2016] table 1
 pub const STEP_NAMES: [&str; 7] = [
     "Process base mesh",
     "Prism volume densities and light",

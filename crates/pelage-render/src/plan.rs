@@ -1,4 +1,5 @@
-//! Samples of a pixel: a regular grid within the pixel, several times over with displaced grids or lens points where that is not enough.
+//! Placement of samples: a regular grid in each pixel, and several passes over the image with displaced grids or lens points where
+//! one grid does not hold them all.
 
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -11,28 +12,29 @@ use pelage_fur::random::r2;
 /// How the film is sampled.
 #[derive(Debug, Clone)]
 pub struct SamplePlan {
-    /// Samples along a pixel's edge in one pass over the image.
+    /// Samples along a pixel's edge in one pass over the image, 1 to 8.
     pub grid: u32,
-    /// Passes over the image: displacement of the grid in samples, point on the lens in diameters.
+    /// Passes over the image: displacement of the grid (samples) and point on the lens (lens diameters).
     pub passes: Vec<(Vec2, Vec2)>,
-    /// Samples of the whole film.
+    /// Size of the film in samples of one pass.
     pub film: [u32; 2],
-    /// Samples that a filter reaches over a pixel's own.
+    /// Samples that the filter reaches beyond the pixel's own on each side.
     pub reach: u32,
 }
 
-/// Largest reach and grid that the shader's table of weights holds.
+/// Filter weights per axis that the shader's table holds.
 const MAX_TAPS: u32 = 128;
 
 impl SamplePlan {
-    /// The plan for a scene's `film.spp`: the largest square that divides it becomes the grid, the rest passes.
+    /// The plan for `film.spp` of a scene: the grid is the largest square of up to 8 by 8 samples that divides it (smaller if the filter's weights exceed their table, 1 by 1 with a lens), the quotient the number of passes.
+    // [Roberts2018]
     pub fn new(scene: &Scene) -> Self {
         let spp = scene.film.spp.max(1);
         let lens = scene.camera.lens.as_ref().filter(|l| l.method == LensMethod::Samples && l.aperture > 0.0);
         let radius = radius(scene);
         let mut grid = (1..=8u32).rev().find(|k| spp.is_multiple_of(k * k)).unwrap_or(1);
         if lens.is_some() {
-            // Each pass has one point on the lens: all samples become passes.
+            // Each pass has one point on the lens, so each sample needs its own pass.
             grid = 1;
         }
         while grid > 1 && taps(radius, grid) > MAX_TAPS {
@@ -53,7 +55,7 @@ impl SamplePlan {
         }
     }
 
-    /// What the film pass reads for a tile of `pixels` pixels in pass `pass`.
+    /// The uniform `reconstruction` of the film pass, for a tile of `pixels` pixels in pass `pass` over the image.
     pub fn reconstruction(
         &self,
         scene: &Scene,
@@ -76,13 +78,15 @@ impl SamplePlan {
         }
     }
 
-    /// The frame globals of a pass over the image; the tile is the whole film.
+    /// The frame globals of a pass over the image; the tile is not set.
     pub fn frame(&self, scene: &Scene, pass: usize) -> Frame {
         let (jitter, lens) = self.passes[pass];
         camera::frame(&scene.camera, self.film, lens, jitter, scene.render.seed)
     }
 
-    /// Samples by which the lens can displace what is nearest or farthest of the fur.
+    /// Diameter of the circle of confusion, in samples, at the nearest or farthest point of the fur, whichever is larger. 0 if no pass
+    /// samples the lens.
+    // [Potmesil1981]
     pub fn blur_margin(&self, world: &World) -> f32 {
         let camera = &world.scene.camera;
         let Some(lens) = camera.lens.as_ref().filter(|_| self.passes.iter().any(|(_, l)| l.length() > 0.0))
@@ -111,7 +115,8 @@ impl SamplePlan {
             .fold(0.0, f32::max)
     }
 
-    /// The filter's weights for a displacement of the grid, four a vector, and their number.
+    /// The filter's weights along an axis, normalised and packed four per vector, and their number. `jitter`: displacement of the grid,
+    /// samples.
     fn weights(&self, scene: &Scene, jitter: f32) -> ([[f32; 4]; 32], u32) {
         let taps = self.grid + 2 * self.reach;
         let radius = radius(scene);
@@ -149,7 +154,8 @@ fn taps(radius: f32, grid: u32) -> u32 {
     grid + 2 * reach(radius, grid)
 }
 
-/// Square to unit disc, keeping areas.
+/// Area-preserving map from the unit square to the unit disc.
+// [Pharr2023]
 fn disc(u: Vec2) -> Vec2 {
     Vec2::from_angle(std::f32::consts::TAU * u.y) * u.x.sqrt()
 }

@@ -1,9 +1,10 @@
-//! The planes of a film: their names, and the copying of a tile's pixels into them.
+//! Names of a film's planes, and copying of finished tiles into them.
 
 use crate::job::Job;
 use pelage_core::film::{Film, Plane};
 
-/// Copies a tile's planes into the film.
+/// Copies the pixels of a tile, plane by plane as the film pass writes them, into the film. Depth becomes the opacity-weighted mean,
+/// infinite where the weight is at most 1e-4.
 pub fn write_tile(job: &Job, pixels: &[f32], film: &mut Film) {
     let width = film.width as usize;
     let [w, h] = job.size.map(|s| s as usize);
@@ -23,7 +24,8 @@ pub fn write_tile(job: &Job, pixels: &[f32], film: &mut Film) {
     }
 }
 
-/// Planes in the order in which the film pass writes them.
+/// Names of the planes in the order in which the film pass writes them, and whether they are written in full precision. The pass writes
+/// a 20th plane, the weight of the depth.
 pub const PLANES: [(&str, bool); 19] = [
     ("R", false),
     ("G", false),
@@ -46,7 +48,7 @@ pub const PLANES: [(&str, bool); 19] = [
     ("depth.Z", true),
 ];
 
-/// A film with room for the planes that are kept.
+/// A black film with all [`PLANES`] if `aovs`, else with the first four.
 pub fn blank_film(width: u32, height: u32, aovs: bool) -> Film {
     let mut film = Film { width, height, planes: Vec::new() };
     let kept = if aovs { PLANES.len() } else { 4 };

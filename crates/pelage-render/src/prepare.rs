@@ -1,4 +1,4 @@
-//! Steps 1 to 3: everything that does not depend on the tile: shell, volume, light and, where they fit, the strands.
+//! Steps 1 to 3, which do not depend on the tile: shell, volume, light and, if they fit the budget, strands.
 
 mod lattice;
 mod light;
@@ -21,48 +21,51 @@ use std::sync::Arc;
 pub use strands::{RootBatch, Strands, strand_bytes};
 use tables::Tables;
 
-/// A skin with its fur on the GPU.
+/// A skin and its fur on the GPU.
 pub struct Prepared<'g> {
     /// The device.
     pub gpu: &'g Gpu,
     /// The kernels.
     pub passes: Arc<Passes>,
-    /// Undercoat and lattice parameters as uploaded.
+    /// Parameters of undercoat, lattice and lights as uploaded.
     pub fur: FurParameters,
-    /// Segments a strand.
+    /// Segments per strand.
     pub segments: u32,
-    /// Triangles of the skin.
+    /// Number of skin triangles.
     pub triangles: u32,
-    /// Border walls of the shell.
+    /// Number of walls over border edges of the skin.
     pub walls: u32,
-    /// Guard hairs.
+    /// Number of guard hairs.
     pub strands: u64,
-    /// Subelements of the volume.
+    /// Number of subelements of the volume.
     pub subelements: u64,
-    /// All strands, where they fit the budget.
+    /// All strands, if they fit the budget.
     pub resident: Option<Strands>,
-    /// Where they do not: ranges of triangles whose roots are made again for each tile.
+    /// If they do not: ranges of triangles whose roots are drawn again for each tile.
     pub batches: Vec<RootBatch>,
     /// Bytes that strands may take.
     pub strand_budget: u64,
-    /// What the passes are compiled for; `stored` says whether the undercoat's densities are.
+    /// What the passes are compiled for.
     pub variant: Variant,
     buffers: Buffers,
-    /// `undercoat_fibre` for kernels that read the table behind the maps' texels; for all others it lies behind the nodes.
+    /// `undercoat_fibre` for kernels that read its table in `maps_and_tables`; all others read it in `node_light`.
     rows_fibre: Buffer,
     tables: Tables,
 }
 
-/// The undercoat's subelements, and whether they are stored.
+/// Subelements of the undercoat, and whether their media are stored.
 struct Volume {
-    /// Level and first subelement of each prism.
+    /// Subdivision level and first subelement of each prism.
     subdivisions: Vec<[u32; 2]>,
     subelements: u64,
     stored: bool,
 }
 
 impl Volume {
-    /// Stored where the scene says so, or where it fits one binding and two fifths of the memory budget.
+    /// Stores the media if the scene asks for it, or by default if they fit one binding and two fifths of the memory budget.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if they must be stored and exceed one binding.
     fn plan(gpu: &Gpu, world: &World) -> Result<Self> {
         let (subdivisions, subelements) = subdivide(&world.skin, world, groom::has_undercoat(&world.scene));
         let bytes = subelements * 4;
@@ -79,7 +82,7 @@ impl Volume {
     }
 }
 
-/// What the passes are compiled for.
+/// The variant of the passes for a scene.
 fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
     Variant {
         stored,
@@ -94,7 +97,7 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
     }
 }
 
-/// Uploads the groom and the skin.
+/// Uploads groom, maps, lights and skin, and allocates the shell.
 fn upload(gpu: &Gpu, skin: &Skin, packed: &PackedGroom, frame: &Frame) -> Result<Buffers> {
     let vertices = skin.positions.len() as u64;
     let triangles = skin.triangles.len() as u64;
@@ -179,7 +182,7 @@ impl<'g> Prepared<'g> {
         Ok(prepared)
     }
 
-    /// Step 1: the prism shell, and the walls along its border.
+    /// Step 1: fills `shell_vertices` and `prisms`, and lists the border edges in `border`.
     fn shell(
         &mut self,
         skin: &Skin,
@@ -216,13 +219,13 @@ impl<'g> Prepared<'g> {
         Ok(())
     }
 
-    /// Step 2: the undercoat's densities, where they are stored, and the attributes of the lattice's columns.
+    /// Step 2: the media of the subelements, if they are stored, and the attributes of the lattice's columns.
     fn volume(&mut self, world: &World, volume: &Volume, timings: &mut Timings) -> Result<()> {
         let gpu = self.gpu;
         self.buffers.push(if volume.stored {
             gpu.storage("media_or_uv", 2, volume.subelements * 4)?
         } else {
-            // The volume's buffer carries the uv instead.
+            // Evaluation needs the uv, for which the march has no storage binding left.
             gpu.upload("media_or_uv", 2, &corner_uv(&world.skin))?
         });
         let mut recorder = Recorder::new(gpu);
@@ -238,25 +241,25 @@ impl<'g> Prepared<'g> {
         recorder.submit(timings)
     }
 
-    /// Nodes of the lattice.
+    /// Number of nodes of the lattice.
     fn nodes(&self) -> u64 {
         u64::from(self.fur.lattice.columns) * u64::from(self.fur.lattice.levels + 1)
     }
 
-    /// A buffer that later passes read, by its name.
+    /// A buffer of steps 1 to 3 by its name.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn buffer(&self, name: &str) -> Result<&Buffer> {
         self.buffers.get(name)
     }
 
-    /// Everything that later passes read, by name.
+    /// Everything that later passes read, by name, except strands.
     pub fn scope(&self) -> Scope<'_> {
         self.tables.bind(self.buffers.add_to(&Scope::default()))
     }
 
-    /// [`Prepared::scope`] for the rows of shells and fins.
+    /// [`Prepared::scope`] for `shellfin_rows`, which reads the undercoat's scattering table in `maps_and_tables`.
     pub fn rows_scope(&self) -> Scope<'_> {
         self.scope().with(&[&self.rows_fibre])
     }

@@ -1,4 +1,4 @@
-//! A world through the passes with everything read back: for the CPU twins, and for pictures of what the passes leave.
+//! Runs the passes step by step and reads their results back, to compare with the CPU twins and to make figures of single steps.
 
 use crate::prepare::Prepared;
 use crate::tile_buffers::{TileBuffers, list_bytes};
@@ -22,26 +22,26 @@ use pelage_gpu::{Buffer, Gpu, Recorder, Scope};
 use std::ops::Deref;
 use std::sync::Arc;
 
-/// The frame globals of the scene's camera for a film of `film` samples, of which the tile is the whole.
+/// The frame globals of the scene's camera for a film of `film` samples.
 pub fn frame_of(world: &World, film: [u32; 2]) -> Frame {
     camera::frame(&world.scene.camera, film, Vec2::ZERO, Vec2::ZERO, world.scene.render.seed)
 }
 
-/// A world after steps 1 to 3, with what the twins of later steps read.
+/// A world after steps 1 to 3, with the results that the twins of later steps read.
 pub struct PreparedWorld<'g> {
     /// The world.
     pub world: World,
     /// Its fur on the GPU.
     pub prepared: Prepared<'g>,
-    /// The groom as packed; its `fur` is not that of the renderer.
+    /// The packed groom.
     pub packed: PackedGroom,
-    /// Undercoat and lattice as the passes read them.
+    /// Parameters of undercoat, lattice and lights as the passes read them.
     pub fur: FurParameters,
-    /// The shell as the passes left it.
+    /// The shell that the passes computed.
     pub shell: Shell,
-    /// The lattice's radiances as the march reads them, node by node.
+    /// The buffer `node_light`, one entry per node of the lattice.
     pub source: Vec<[u32; 4]>,
-    /// The stored volume; empty where it is evaluated.
+    /// The packed media of all subelements; empty if they are evaluated.
     pub cells: Vec<u32>,
 }
 
@@ -78,7 +78,7 @@ impl<'g> PreparedWorld<'g> {
     /// The first `count` elements of a buffer of the prepared world or of its strands.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn read<T: Pod>(&self, name: &str, count: usize) -> Result<Vec<T>> {
         let of_strands = self.prepared.resident.as_ref().and_then(|strands| strands.buffer(name).ok());
         let buffer = of_strands.map_or_else(|| self.prepared.buffer(name), Ok)?;
@@ -95,20 +95,20 @@ impl<'g> PreparedWorld<'g> {
         Field::new(self.world.scene.render.seed)
     }
 
-    /// The undercoat, stored or evaluated as the renderer has it.
+    /// The undercoat, stored or evaluated as in the renderer.
     pub fn undercoat(&self) -> Undercoat<'_> {
         Undercoat { cells: &self.cells, ..self.evaluated_undercoat() }
     }
 
-    /// The undercoat as it is evaluated, whether it is stored or not.
+    /// The undercoat, evaluated even if the renderer stores it.
     pub fn evaluated_undercoat(&self) -> Undercoat<'_> {
         Undercoat { parameters: &self.fur.undercoat, noise: self.noise(), shell: &self.shell, cells: &[] }
     }
 }
 
-/// A tile of a prepared world, step by step.
+/// A tile of a prepared world, on which steps 4 to 7 run one by one.
 pub struct Probe<'g> {
-    /// The world.
+    /// The prepared world.
     pub of: Arc<PreparedWorld<'g>>,
     /// Frame globals of the tile.
     pub frame: Frame,
@@ -146,24 +146,24 @@ impl<'g> Probe<'g> {
         Ok(Self { of: of.clone(), frame, buffers, uniform: gpu.uniform("frame", &frame)? })
     }
 
-    /// Samples of the tile.
+    /// Number of samples of the tile.
     pub fn samples(&self) -> usize {
         let [w, h] = self.frame.tile_size;
         w as usize * h as usize
     }
 
-    /// Place of the `i`-th sample in the tile.
+    /// Position of the `i`-th sample in the tile.
     pub fn xy(&self, i: usize) -> [u32; 2] {
         let width = self.frame.tile_size[0] as usize;
         [(i % width) as u32, (i / width) as u32]
     }
 
-    /// The prepared world's buffers and the tile's.
+    /// The resources of the prepared world and of the tile.
     pub fn scope(&self) -> Scope<'_> {
         self.buffers.add_to(&self.of.prepared.scope().with(&[&self.uniform]))
     }
 
-    /// What raster passes write to.
+    /// The targets of raster passes.
     pub fn targets(&self) -> RasterTargets<'_> {
         self.buffers.targets(self.frame.tile_size)
     }
@@ -179,7 +179,7 @@ impl<'g> Probe<'g> {
         recorder.submit(&mut Timings::default())
     }
 
-    /// Step 4: the skin.
+    /// Step 4: fills `base_records`.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -188,7 +188,7 @@ impl<'g> Probe<'g> {
         self.run(|recorder, scope| p.passes.base_raster.record(recorder, scope, &self.targets(), p.triangles))
     }
 
-    /// Step 5's entries into the shell.
+    /// Step 5: adds the entries into the shell to the lists.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -199,7 +199,7 @@ impl<'g> Probe<'g> {
         })
     }
 
-    /// Step 5's march, which adds shell or virtual fragments.
+    /// Step 5: marches from the entries and adds shell or virtual fragments to the lists.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -208,7 +208,7 @@ impl<'g> Probe<'g> {
         self.run(|recorder, scope| self.prepared.passes.undercoat_march.record(recorder, scope, samples))
     }
 
-    /// Step 6, all strands.
+    /// Step 6: adds the fragments of all strands to the lists.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if they are not resident.
@@ -218,7 +218,9 @@ impl<'g> Probe<'g> {
             return Ok(());
         }
         let Some(strands) = &p.resident else {
-            return Err(Error::Unsupported("the guard hairs do not fit the scene's memory at once".into()));
+            return Err(Error::Unsupported(
+                "the guard hairs do not fit the memory budget of the scene".into(),
+            ));
         };
         let all: Vec<u32> = (0..strands.count).collect();
         let list = p.gpu.upload("bins", 6, &all)?;
@@ -229,7 +231,7 @@ impl<'g> Probe<'g> {
         })
     }
 
-    /// Step 7; `exact` marches the undercoat between the fragments.
+    /// Step 7: resolves the lists; `exact` marches the undercoat between the fragments.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -240,7 +242,7 @@ impl<'g> Probe<'g> {
         Ok(words.into_iter().map(unpack).collect())
     }
 
-    /// Rays given up by the march, and the longest list.
+    /// Number of rays that the march lost, and length of the longest list.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -257,7 +259,7 @@ impl<'g> Probe<'g> {
         self.buffers.lists(self.prepared.gpu, self.samples())
     }
 
-    /// Records of the skin, sample by sample, as the buffer holds them.
+    /// The packed record of the skin at each sample.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -265,7 +267,7 @@ impl<'g> Probe<'g> {
         self.read("base_records", self.samples())
     }
 
-    /// The skin under each sample.
+    /// The skin at each sample, if it is hit.
     ///
     /// # Errors
     /// [`Error::Gpu`].
@@ -279,7 +281,7 @@ impl<'g> Probe<'g> {
     /// The first `count` elements of a buffer of the tile, of the prepared world or of its strands.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn read<T: Pod>(&self, name: &str, count: usize) -> Result<Vec<T>> {
         match self.buffers.buffer(name) {
             Ok(buffer) => self.prepared.gpu.read(buffer, (count * size_of::<T>()) as u64),
@@ -287,14 +289,14 @@ impl<'g> Probe<'g> {
         }
     }
 
-    /// What the march of the tile reads.
+    /// Inputs of the march on this tile.
     pub fn inputs(&self) -> MarchInputs<'_> {
         MarchInputs {
             fur: &self.fur,
             undercoat: self.undercoat(),
             source: &self.source,
             frame: &self.frame,
-            coat: &self.packed.undercoat_fibre,
+            undercoat_fibre: &self.packed.undercoat_fibre,
         }
     }
 }

@@ -1,5 +1,5 @@
-//! The texts of all shaders: compiled into a release, read from the disk in development, so that a change of a shader needs
-//! no rebuild.
+//! Texts of all shaders: compiled into a release, read from disk in development, so that a changed shader needs no
+//! compilation.
 
 use pelage_core::Result;
 use pelage_gpu::Gpu;
@@ -23,7 +23,7 @@ pub fn names() -> Vec<String> {
     names
 }
 
-/// Opens the adapter that the environment asks for, for these shaders.
+/// Opens the adapter that the environment selects, with these shaders.
 ///
 /// # Errors
 /// As [`Gpu::open`].

@@ -1,4 +1,4 @@
-//! The guard hairs of a scene as they are rendered, for other programs.
+//! Export of the guard hairs of a scene as they are rendered.
 
 use super::plan::SamplePlan;
 use crate::prepare::{Prepared, Strands};
@@ -9,8 +9,8 @@ use pelage_core::{Error, Result, World};
 use pelage_fur::{camera, groom};
 use pelage_gpu::recorder::Timings;
 
-/// Grows the guard hairs of `world` with the passes that render them, and reads them back: points in cm in world
-/// space, the diameter in cm and 1 - opacity at each point.
+/// Grows the guard hairs of `world` with the passes that render them, and reads them back: points in world space (cm), and at
+/// each the diameter (cm) and 1 - opacity.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`super::render`].
@@ -46,11 +46,11 @@ fn append(hair: &mut HairFile, prepared: &Prepared<'_>, strands: &Strands) -> Re
         return Ok(());
     }
     let segments = u16::try_from(prepared.segments).map_err(|_| {
-        Error::Unsupported(format!("{} segments a strand are too many for a HAIR file", prepared.segments))
+        Error::Unsupported(format!("{} segments per strand are too many for a HAIR file", prepared.segments))
     })?;
     let points = u64::from(strands.count) * (u64::from(segments) + 1);
     let buffer = strands.buffer("strand_vertices")?;
-    // As guard_strands.wgsl packs them: position; radius in units of 0.01 cm and opacity as halves.
+    // Packing of shaders/shared/strands.wgsl: position; radius (units of 0.01 cm) and opacity as halves.
     let vertices: Vec<[u32; 4]> = prepared.gpu.read(buffer, points * 16)?;
     hair.segments.extend(std::iter::repeat_n(segments, strands.count as usize));
     for [x, y, z, packed] in vertices {

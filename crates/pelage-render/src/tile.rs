@@ -1,4 +1,4 @@
-//! Steps 4 to 7, tile by tile. A tile whose fragments do not fit is cut into four and rendered again: nothing is dropped.
+//! Steps 4 to 7, tile by tile. A tile whose fragments do not fit the lists is split into four and rendered again; nothing is dropped.
 
 mod bins;
 mod size;
@@ -21,7 +21,7 @@ use pelage_gpu::recorder::Timings;
 use size::TileSize;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Smallest edge of a tile in pixels; a tile that small that still does not fit is an error.
+/// Smallest edge of a tile, pixels. If the fragments of such a tile do not fit, rendering fails.
 const SMALLEST: u32 = 4;
 
 /// The tiles of an image and the buffers that they share.
@@ -38,7 +38,7 @@ pub struct Tiles<'a> {
     pub stats: Stats,
 }
 
-/// What a tile came to.
+/// Result of rendering a tile. Fragments beyond the capacity were not stored, and the pixels are then missing.
 struct Outcome {
     fragments: u64,
     capacity: u64,
@@ -48,7 +48,7 @@ struct Outcome {
 }
 
 impl<'a> Tiles<'a> {
-    /// Chooses the tile size from the memory that is left and allocates what tiles need.
+    /// Chooses the tile size from the remaining memory and allocates the buffers.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if not even the smallest tile fits the budget.
@@ -73,13 +73,13 @@ impl<'a> Tiles<'a> {
         })
     }
 
-    /// The tiles, row by row; only those that touch `crop` (x0 x1 y0 y1 in 0..1).
+    /// The tiles, row by row, cut to `crop` (x0 x1 y0 y1 in 0..1).
     pub fn jobs(&self, crop: Option<[f32; 4]>) -> Vec<Job> {
         let film = &self.world.scene.film;
         Job::grid([film.width, film.height], self.edge, crop)
     }
 
-    /// Sorts the resident strands into the tiles.
+    /// Sorts the resident strands into bins, one per tile.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -98,10 +98,10 @@ impl<'a> Tiles<'a> {
         frame
     }
 
-    /// Renders a tile into `film`, in smaller parts where its fragments do not fit.
+    /// Renders a tile into `film`, in smaller parts if its fragments do not fit the lists.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if the smallest part does not fit, [`Error::Gpu`], [`Error::DeviceLost`].
+    /// [`Error::OutOfMemory`] if the smallest part does not fit, [`Error::Interrupted`] if cancelled, [`Error::Gpu`], [`Error::DeviceLost`].
     pub fn render(&mut self, job: &Job, film: &mut Film, timings: &mut Timings) -> Result<()> {
         let outcome = self.attempt(job, timings)?;
         self.stats.tiles += 1;
@@ -135,6 +135,7 @@ impl<'a> Tiles<'a> {
         Ok(())
     }
 
+    /// Renders a tile once, all passes over the image.
     fn attempt(&self, job: &Job, timings: &mut Timings) -> Result<Outcome> {
         let gpu = self.prepared.gpu;
         let passes = &self.prepared.passes;

@@ -1,4 +1,4 @@
-//! The buffers and raster targets that steps 4 to 7 write for a tile, whoever drives the steps.
+//! Buffers and raster targets that steps 4 to 7 write for a tile.
 
 use crate::twin::film::halves;
 use crate::twin::resolve::{Node, sort};
@@ -9,10 +9,10 @@ use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use pelage_gpu::recorder::RasterTargets;
 use pelage_gpu::{Buffer, Buffers, Gpu, Resource, Scope};
 
-/// Bytes of a fragment in the lists.
+/// Bytes per fragment in the lists.
 pub const FRAGMENT_BYTES: u64 = 4 * NODE_WORDS as u64;
 
-/// Bytes that a sample takes besides its fragments: base record, list head, film sample, triangle number, depth.
+/// Bytes per sample besides fragments: base record, list head, film sample, triangle number, depth.
 pub const SAMPLE_BYTES: u64 = 4 * (BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1) as u64;
 
 /// The buffers `base_records`, `fragment_lists`, `samples` and `march_counters`, and the targets of the raster passes.
@@ -22,13 +22,13 @@ pub struct TileBuffers {
     views: [wgpu::TextureView; 2],
 }
 
-/// Bytes of the lists of `samples` samples with room for `fragments` fragments.
+/// Size of `fragment_lists` for `samples` samples and `fragments` fragments, bytes.
 pub fn list_bytes(samples: u64, fragments: u64) -> u64 {
     4 * (1 + samples) + FRAGMENT_BYTES * fragments
 }
 
 impl TileBuffers {
-    /// Room for tiles of up to `size` samples; `list_bytes` for the fragments of each (see [`list_bytes`]).
+    /// Allocates for tiles of up to `size` samples. `list_bytes`: size of `fragment_lists` (see [`list_bytes()`]).
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -63,12 +63,12 @@ impl TileBuffers {
     /// A buffer by its name.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn buffer(&self, name: &str) -> Result<&Buffer> {
         self.buffers.get(name)
     }
 
-    /// Fragments that the lists of a tile of `samples` samples hold.
+    /// Number of fragments that fit the lists of a tile of `samples` samples.
     ///
     /// # Errors
     /// As [`TileBuffers::buffer`].
@@ -81,12 +81,12 @@ impl TileBuffers {
         self.buffers.add_to(scope).and("triangle_ids", Resource::Texture(&self.views[0]))
     }
 
-    /// What raster passes write to, of a tile of `size` samples.
+    /// The targets of raster passes for a tile of `size` samples.
     pub fn targets(&self, size: [u32; 2]) -> RasterTargets<'_> {
         RasterTargets { ids: &self.views[0], depth: &self.views[1], size }
     }
 
-    /// The triangle numbers, row by row as wide as the texture: 0 where there is none, else the number + 1.
+    /// The triangle numbers: the number of the nearest triangle + 1, or 0 where there is none.
     pub fn ids(&self) -> &wgpu::Texture {
         &self.ids
     }
@@ -94,14 +94,14 @@ impl TileBuffers {
     /// Reads the fragments of each of the first `samples` samples back, nearest first.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if there were more than the lists hold, or one of them is in no list.
+    /// [`Error::Unsupported`] if there are more fragments than fit, or some are in no list.
     pub fn lists(&self, gpu: &Gpu, samples: usize) -> Result<Vec<Vec<Node>>> {
         let lists = self.buffer("fragment_lists")?;
         let capacity = self.capacity(samples as u64)?;
         let used = u64::from(gpu.read::<u32>(lists, 4)?.first().copied().unwrap_or(0));
         if used > capacity {
             return Err(Error::Unsupported(format!(
-                "{used} fragments, room for {capacity}: make the tile smaller"
+                "{used} fragments, but the lists hold {capacity}: use a smaller tile"
             )));
         }
         let words: Vec<u32> = gpu.read(lists, list_bytes(samples as u64, used))?;
@@ -123,7 +123,9 @@ impl TileBuffers {
         let lists: Vec<Vec<Node>> = heads.iter().map(|head| list(*head)).collect();
         let listed: usize = lists.iter().map(Vec::len).sum();
         if listed as u64 != used {
-            return Err(Error::Unsupported(format!("{used} fragments were counted, {listed} are in lists")));
+            return Err(Error::Unsupported(format!(
+                "{used} fragments were counted, but {listed} are in the lists"
+            )));
         }
         Ok(lists)
     }

@@ -1,11 +1,13 @@
-//! Step 4: the skin: nearest triangle by raster, shading in compute.
+//! Step 4: the skin. The raster stage finds the nearest triangle at each sample; a compute kernel adds depth, normal and
+//! radiance.
+// Source: [Andersen2016] table 1, which rasterises the base mesh.
 
 use pelage_core::Result;
 use pelage_gpu::kernel::Target;
 use pelage_gpu::recorder::RasterTargets;
 use pelage_gpu::{Gpu, Kernel, RasterKernel, Recorder, Scope};
 
-/// Step 4: the skin.
+/// The kernels of `base_raster`.
 pub struct BaseRaster {
     raster: RasterKernel,
     shade: Kernel,
@@ -15,7 +17,7 @@ impl BaseRaster {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             raster: RasterKernel::new(gpu, "base_raster", "vertex", "fragment", Target::TriangleIds)?,
@@ -23,10 +25,12 @@ impl BaseRaster {
         })
     }
 
-    /// Draws `triangles` triangles and writes `base_records`. In scope: the shell, `base_light`, `triangle_ids`.
+    /// Draws `triangles` triangles to `targets` and writes `base_records` for all samples of the tile.
+    ///
+    /// In scope: `frame`, `shell_vertices`, `prisms`, `fur`, `base_light`, `triangle_ids` (the colour target), `base_records`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record(
         &self,
         recorder: &mut Recorder<'_>,

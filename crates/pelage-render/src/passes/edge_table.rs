@@ -1,10 +1,11 @@
-//! Step 1: neighbours over the edges.
+//! Step 1: neighbours of the triangles over their edges, by a hash table over 64-bit keys of directed edges.
+// Source: [Andersen2016] sec. 3.2.
 
 use pelage_core::Result;
 use pelage_fur::layout::EdgeCounts;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
-/// Step 1: neighbours over the edges.
+/// The kernels of `edge_table`.
 pub struct EdgeTable {
     insert: Kernel,
     lookup: Kernel,
@@ -14,7 +15,7 @@ impl EdgeTable {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             insert: Kernel::new(gpu, "edge_table", "insert")?,
@@ -22,10 +23,13 @@ impl EdgeTable {
         })
     }
 
-    /// Fills `neighbours` for `edges` directed edges (three a triangle). In scope: `triangles`, `neighbours`.
+    /// Fills `neighbours` for `edges` directed edges, three per triangle. Returns the buffers that must live until the recording is
+    /// submitted.
+    ///
+    /// In scope: `triangles`, `neighbours`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing, [`pelage_core::Error::OutOfMemory`] without room for the table.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`] if the table does not fit.
     pub fn record(
         &self,
         gpu: &Gpu,

@@ -1,26 +1,28 @@
-//! Film samples to pixels.
+//! Step 7: film samples to pixels, by a separable reconstruction filter summed in a fixed order.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
-/// Film samples to pixels.
+/// The kernel of `film`.
 pub struct Film {
     main: Kernel,
 }
 
 impl Film {
-    /// Compiles the kernels.
+    /// Compiles the kernel.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self { main: Kernel::new(gpu, "film", "main")? })
     }
 
-    /// Adds the samples of a tile to its `pixels`.
+    /// Filters the samples of a tile into its `pixels` pixels; from the second pass over the image on, adds to them.
+    ///
+    /// In scope: `frame`, `reconstruction`, `samples`, `pixels`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, pixels: u64) -> Result<()> {
         recorder.dispatch(&self.main, scope, pixels)
     }

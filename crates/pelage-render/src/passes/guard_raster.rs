@@ -1,26 +1,29 @@
-//! Step 6: coverage of the guard hairs.
+//! Step 6: analytic coverage of the guard hairs' camera-facing ribbons, one invocation per segment.
+// [Andersen2016] draws quads; analytic coverage in compute is ours.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
-/// Step 6: coverage of the guard hairs.
+/// The kernel of `guard_raster`.
 pub struct GuardRaster {
     main: Kernel,
 }
 
 impl GuardRaster {
-    /// Compiles the kernels.
+    /// Compiles the kernel.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self { main: Kernel::new(gpu, "guard_raster", "main")? })
     }
 
-    /// Adds the fragments of `strands` strands of a bin to `fragment_lists`.
+    /// Adds the fragments of the `strands` strands of a bin, of `segments` segments each, to `fragment_lists`.
+    ///
+    /// In scope: `frame`, `bin`, `groom`, `bins`, `roots`, `strand_vertices`, `shades`, `base_records`, `fragment_lists`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record(
         &self,
         recorder: &mut Recorder<'_>,

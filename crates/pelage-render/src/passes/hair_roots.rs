@@ -1,9 +1,10 @@
-//! Step 1: hair roots.
+//! Step 1: number and positions of the guard hairs' roots, drawn from the triangle's id and thinned by the density map.
+// Sources: [VanGelderWilhelms1997], [Andersen2016] sec. 3.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
-/// Step 1: hair roots.
+/// The kernels of `hair_roots`.
 pub struct HairRoots {
     count: Kernel,
     emit: Kernel,
@@ -13,7 +14,7 @@ impl HairRoots {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             count: Kernel::new(gpu, "hair_roots", "count")?,
@@ -21,18 +22,22 @@ impl HairRoots {
         })
     }
 
-    /// Counts the roots of `triangles` triangles from `first` into `root_counts`. In scope: the skin and the groom.
+    /// Writes the number of roots of each of the `triangles` triangles of `root_range` to `root_counts`.
+    ///
+    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `root_counts`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record_count(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, triangles: u32) -> Result<()> {
         recorder.dispatch(&self.count, scope, u64::from(triangles))
     }
 
-    /// Writes the roots behind `first_roots`.
+    /// Writes the roots of the `triangles` triangles of `root_range` to `roots`, each triangle's from its entry of `first_roots`.
+    ///
+    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `first_roots`, `roots`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record_emit(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, triangles: u32) -> Result<()> {
         recorder.dispatch(&self.emit, scope, u64::from(triangles))
     }

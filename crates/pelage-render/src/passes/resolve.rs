@@ -1,10 +1,11 @@
-//! Step 7: fragments to film samples.
+//! Step 7: resolves the list of fragments of each sample to a film sample, in order of depth.
+// Sources: [Andersen2016] eq. 4 for shell fragments; the exact mode is ours.
 
 use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
-/// Step 7: fragments to film samples.
+/// The kernels of `resolve`.
 pub struct Resolve {
     exact: Kernel,
     blend_fragments: Kernel,
@@ -14,7 +15,7 @@ impl Resolve {
     /// Compiles the kernels of a variant of the march.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         let constants = variant.constants();
         Ok(Self {
@@ -23,10 +24,13 @@ impl Resolve {
         })
     }
 
-    /// Resolves `samples` lists into `samples`; `exact` marches the undercoat between the fragments.
+    /// Resolves the lists of `samples` samples. `exact`: marches the undercoat between the fragments; otherwise blends stored fragments.
+    ///
+    /// In scope: `frame`, `fur`, `base_records`, `fragment_lists`, `samples`, `march_counters`; for `exact` also `noise`,
+    /// `shell_vertices`, `prisms`, `media_or_uv`, `node_light`, `undercoat_fibre`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record(
         &self,
         recorder: &mut Recorder<'_>,

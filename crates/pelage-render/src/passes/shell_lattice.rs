@@ -1,26 +1,28 @@
-//! Step 2: columns of the light lattice.
+//! Step 2: attributes of the skin below the columns of the optical-depth lattice, read from the maps.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
-/// Step 2: columns of the light lattice.
+/// The kernel of `shell_lattice`.
 pub struct ShellLattice {
     main: Kernel,
 }
 
 impl ShellLattice {
-    /// Compiles the kernels.
+    /// Compiles the kernel.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self { main: Kernel::new(gpu, "shell_lattice", "main")? })
     }
 
-    /// Reads density factors and colours into `columns`.
+    /// Sets density factor and colours of `columns` columns.
+    ///
+    /// In scope: `fur`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `columns`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
     pub fn record(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, columns: u32) -> Result<()> {
         recorder.dispatch(&self.main, scope, u64::from(columns))
     }

@@ -1,11 +1,12 @@
-//! Step 1: the prism shell.
+//! Step 1: the prism shell, extruded along smoothed normals; vertices are lowered where it would fold over or climb too steeply.
+// Source: [Andersen2016] sec. 3.
 
 use pelage_core::Result;
 use pelage_fur::layout::ShellCounts;
 use pelage_fur::shell_prisms::SPREAD_ROUNDS;
 use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Resource, Scope};
 
-/// Step 1: the prism shell.
+/// The kernels of `shell_prisms`.
 pub struct ShellPrisms {
     fold: Kernel,
     spread: Kernel,
@@ -17,7 +18,7 @@ impl ShellPrisms {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu) -> Result<Self> {
         Ok(Self {
             fold: Kernel::new(gpu, "shell_prisms", "fold")?,
@@ -27,11 +28,14 @@ impl ShellPrisms {
         })
     }
 
-    /// Extrudes the shell and joins the tables. In scope: `skin_vertices`, `triangles`, `vertex_uv`, `neighbours`, `subdivisions`, `groom`,
-    /// `maps_and_tables`, `shell_vertices`, `prisms`.
+    /// Extrudes `vertices` vertices and writes the prisms of `triangles` triangles. Returns the buffers that must live until the recording
+    /// is submitted.
+    ///
+    /// In scope: `groom`, `maps_and_tables`, `skin_vertices`, `vertex_uv`, `triangles`, `neighbours`, `edge_numbers`, `subdivisions`,
+    /// `shell_vertices`, `prisms`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a binding is missing, [`pelage_core::Error::OutOfMemory`] without room.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`] if the tables of heights do not fit.
     pub fn record(
         &self,
         gpu: &Gpu,

@@ -1,18 +1,22 @@
-//! Size and columns of the light lattice.
+//! Size and columns of the optical-depth lattice.
 
 use pelage_core::{Skin, World};
 use pelage_fur::groom;
 use pelage_fur::layout::{Column, UndercoatParameters};
 
-/// Size of the light lattice.
+/// Size of the optical-depth lattice.
 pub(super) struct Lattice {
+    /// Cells along an edge of a skin triangle.
     pub cells: u32,
+    /// Cells from the skin to the top; a column has one node more.
     pub levels: u32,
+    /// Height of the top in shell heights.
     pub reach: f32,
 }
 
 impl Lattice {
-    /// A lattice of cells of about `SPACING`, as fine as fits `room` bytes.
+    /// Columns about 2 mm and levels about two mean free paths of the undercoat apart (1 to 8 cells along an edge, 14 to 48 levels), or
+    /// coarser where the lattice would exceed `room` bytes. `tau_stride`: words per node of `tau`.
     pub fn plan(
         skin: &Skin,
         world: &World,
@@ -20,9 +24,9 @@ impl Lattice {
         tau_stride: u32,
         room: u64,
     ) -> Self {
-        /// Wanted distance of columns, cm.
+        /// Wanted distance between columns, cm.
         const SPACING: f32 = 0.2;
-        /// Wanted distance of levels in mean free paths of the undercoat.
+        /// Wanted distance between levels in mean free paths of the undercoat.
         const LEVEL_PATHS: f32 = 2.0;
         let guard = &world.scene.guard;
         let reach = if groom::has_guard(&world.scene) {
@@ -37,7 +41,7 @@ impl Lattice {
         let mut edge = ((mean_edge / SPACING).round() as u32).clamp(1, 8);
         let mut levels = ((undercoat.height * reach / (LEVEL_PATHS * path)).ceil() as u32).clamp(14, 48);
         let bytes = |edge: u32, levels: u32| {
-            // Half an area of the grid's triangles for each of its points.
+            // A triangular grid has half as many points as cells.
             let columns =
                 skin.triangles.len() as u64 * u64::from(edge * edge) / 2 + skin.positions.len() as u64;
             columns * u64::from(levels + 1) * u64::from(tau_stride.max(4)) * 4
@@ -51,7 +55,7 @@ impl Lattice {
         Self { cells: edge, levels, reach }
     }
 
-    /// Column at barycentric `(n - i - j, i, j) / n` of triangle `t`; the twin of `column_index` in `shared/lattice.wgsl`.
+    /// Column at barycentric coordinates `(n - i - j, i, j) / n` of triangle `t`, as `column_index` of `shared/lattice.wgsl` numbers it.
     fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
         let n = self.cells;
         let v = skin.triangles[t];
@@ -73,7 +77,7 @@ impl Lattice {
         column as usize
     }
 
-    /// The columns: where they stand and their share of the skin's area.
+    /// The columns, with their grid point in one of their triangles and their share of the skin's area (cm²).
     pub fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
         let n = self.cells;
         let inner = (n - 1) * n.saturating_sub(2) / 2;

@@ -1,4 +1,4 @@
-//! Step 2: the optical depths towards the lights, and what the march and the strands look up of them.
+//! Step 2: the optical depths towards the lights, and the light that march and strands look up.
 
 use super::Prepared;
 use super::occluders::bvh;
@@ -10,9 +10,9 @@ use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Gpu, Recorder};
 
 impl Prepared<'_> {
-    /// Finds the light in the fur: guard hairs and undercoat are deposited on the lattice, the lattice is swept towards each
-    /// light, and the lights that are no key lights are folded to one radiance a node. Shades the strands that are resident.
-    /// `fibre_table` is the undercoat's scattering table, kept behind the nodes.
+    /// Computes the light in the fur: extinction at the nodes of the lattice, optical depths towards every light, and the light at each
+    /// node, in which all lights but the key lights are folded into one radiance. Then shades the resident strands. `fibre_table`: the
+    /// undercoat's scattering table, stored behind the nodes in `node_light`.
     pub(super) fn light(
         &mut self,
         world: &World,
@@ -34,7 +34,7 @@ impl Prepared<'_> {
         self.buffers.extend(swept);
         self.buffers.push(extinction);
         if world.scene.render.fur == FurLayers::Shells {
-            // The hairs are in the textures: here they only cast shadows.
+            // The hairs are in the textures; here they only attenuate light.
             self.resident = None;
             self.batches.clear();
         }
@@ -44,7 +44,7 @@ impl Prepared<'_> {
         Ok(())
     }
 
-    /// Deposits all guard hairs; they stay resident where one batch holds them.
+    /// Deposits all guard hairs on the lattice; they stay resident if one batch holds them.
     fn deposit_guard_hairs(
         &mut self,
         world: &World,
@@ -70,7 +70,7 @@ impl Prepared<'_> {
         Ok(())
     }
 
-    /// The optical depths, the nodes' light, and the light on the skin.
+    /// Computes `tau`, `node_light` and `base_light`.
     fn sweep(
         &self,
         world: &World,
@@ -110,7 +110,7 @@ impl Prepared<'_> {
     }
 }
 
-/// The lights, padded to the uniform's length.
+/// Uploads the lights as the uniform `lights`.
 pub(super) fn upload_lights(gpu: &Gpu, lights: &[Light]) -> Result<Buffer> {
     let mut all = <pelage_fur::layout::Lights as bytemuck::Zeroable>::zeroed();
     all.lights[..lights.len()].copy_from_slice(lights);

@@ -1,9 +1,10 @@
-//! What blocks light outside the shell.
+//! The skin as an occluder of light outside the shell.
 
 use pelage_core::Skin;
 use pelage_fur::layout::BvhNode;
 
-/// A BVH over the skin's triangles as the shader reads it, built by obvhs.
+/// A binary BVH over the skin's triangles, built by obvhs: nodes as `light_occlusion` reads them, and triangle numbers in the order of
+/// the leaves.
 pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
     use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
     let triangles: Vec<Triangle> = (0..skin.triangles.len())
@@ -12,7 +13,7 @@ pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
             Triangle { v0, v1, v2 }
         })
         .collect();
-    // Coincident triangles make the builder recurse deeply.
+    // The builder recurses deeply where triangles coincide, so it gets a large stack.
     let built = std::thread::scope(|scope| {
         std::thread::Builder::new()
             .stack_size(256 << 20)

@@ -1,4 +1,4 @@
-//! Steps 1 and 3: roots in batches that fit the memory, and the strands that grow from them.
+//! Steps 1 and 3: roots in batches that fit the budget, and the strands that grow from them.
 
 use super::Prepared;
 use pelage_core::{Error, Result, World};
@@ -8,7 +8,7 @@ use pelage_gpu::{Buffer, Buffers, Recorder, Scope};
 
 /// Strands on the GPU.
 pub struct Strands {
-    /// How many.
+    /// Number of strands.
     pub count: u32,
     buffers: Buffers,
 }
@@ -17,7 +17,7 @@ impl Strands {
     /// A buffer by its name: `roots`, `strand_vertices`, `shades`.
     ///
     /// # Errors
-    /// [`Error::Gpu`] with the names that there are.
+    /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn buffer(&self, name: &str) -> Result<&Buffer> {
         self.buffers.get(name)
     }
@@ -28,7 +28,7 @@ impl Strands {
     }
 }
 
-/// Bytes of a strand on the GPU: root, vertices, shades.
+/// Bytes per strand on the GPU: root, vertices and shades.
 pub fn strand_bytes(segments: u32) -> u64 {
     16 + (u64::from(segments) + 1) * 24
 }
@@ -46,7 +46,10 @@ pub struct RootBatch {
 }
 
 impl Prepared<'_> {
-    /// Counts the roots of all triangles and cuts them into ranges whose strands fit the budget.
+    /// Counts the roots of all triangles and divides the triangles into ranges whose strands fit the budget.
+    ///
+    /// # Errors
+    /// [`Error::OutOfMemory`] if the strands of one triangle exceed it.
     pub(super) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
         let density = world.scene.guard.density.max();
@@ -91,7 +94,7 @@ impl Prepared<'_> {
         Ok(batches)
     }
 
-    /// Makes the strands of a range of triangles.
+    /// Grows the strands of a range of triangles.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -100,7 +103,7 @@ impl Prepared<'_> {
         self.grow_from(roots, batch.strands as u32, timings)
     }
 
-    /// Makes the roots of a range of triangles.
+    /// Draws the roots of a range of triangles.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -128,7 +131,7 @@ impl Prepared<'_> {
         Ok(roots)
     }
 
-    /// Makes the strands of the first `count` of `roots`.
+    /// Grows strands from the first `count` of `roots`.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -145,7 +148,7 @@ impl Prepared<'_> {
         Ok(strands)
     }
 
-    /// Shades strands from the finished light.
+    /// Fills `shades` of strands; the light of step 2 must be finished.
     ///
     /// # Errors
     /// [`Error::Gpu`].

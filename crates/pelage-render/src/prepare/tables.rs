@@ -1,11 +1,11 @@
-//! Tables of multiple scattering on the GPU.
+//! Tables of multiple scattering as textures.
 
 use half::f16;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Resource, Scope};
 use pelage_transport::{ALBEDOS, COSINES, DEPTHS, ROWS, Table};
 
-/// The textures that `shaders/shared/transport.wgsl` reads.
+/// The textures and the sampler that `shaders/shared/transport.wgsl` reads.
 pub(super) struct Tables {
     field: wgpu::TextureView,
     sent: wgpu::TextureView,
@@ -14,7 +14,7 @@ pub(super) struct Tables {
 }
 
 impl Tables {
-    /// `scattered`: where multiple scattering is looked up in a table.
+    /// Uploads the tables; `None` if the model of multiple scattering has none.
     pub(super) fn new(gpu: &Gpu, scattered: Option<&Table>) -> Result<Self> {
         let sampler = gpu.device.create_sampler(&wgpu::SamplerDescriptor {
             label: Some("table_sampler"),
@@ -23,7 +23,7 @@ impl Tables {
             ..Default::default()
         });
         let size = |rows: usize, layers: usize| [COSINES, rows, layers].map(|n| n as u32);
-        // Bound, but not read, where there is none.
+        // Without tables, bound but not read.
         let nothing = || upload(gpu, [1, 1, 2], &[[0.0; 4]; 2]);
         let (field, sent, response) = match scattered {
             Some(table) => (
@@ -36,7 +36,7 @@ impl Tables {
         Ok(Self { field, sent, response, sampler })
     }
 
-    /// `scope` with `field_table`, `sent_table`, `response_table` and `table_sampler`.
+    /// `scope` with `field_table`, `sent_table`, `response_table` and `table_sampler` added.
     pub(super) fn bind<'a>(&'a self, scope: Scope<'a>) -> Scope<'a> {
         scope
             .and("field_table", Resource::Texture(&self.field))

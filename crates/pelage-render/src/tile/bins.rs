@@ -1,4 +1,4 @@
-//! Step 6: which strands a tile rasterises, resident ones from bins, others grown for the tile.
+//! Step 6: the strands of a tile, resident ones from bins, others grown for the tile.
 
 use crate::plan::SamplePlan;
 use crate::prepare::{Prepared, Strands};
@@ -7,7 +7,7 @@ use pelage_fur::layout::{Bin, StrandBatch, TileGrid};
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Recorder, Scope};
 
-/// The resident strands by tile.
+/// The resident strands by tile: `counts[i]` entries of `list` from `starts[i]`.
 pub(super) struct Bins {
     starts: Vec<u32>,
     counts: Vec<u32>,
@@ -15,7 +15,7 @@ pub(super) struct Bins {
 }
 
 impl Bins {
-    /// Sorts the resident strands into tiles of `edge` pixels; `None` where no strand is resident.
+    /// Sorts the resident strands into tiles of `edge` pixels; `None` if there are none.
     pub fn sort(
         prepared: &Prepared<'_>,
         world: &World,
@@ -28,7 +28,7 @@ impl Bins {
         let film = &world.scene.film;
         let grid = [film.width.div_ceil(edge), film.height.div_ceil(edge)];
         let bins = u64::from(grid[0]) * u64::from(grid[1]);
-        // Displaced grids and lens points move strands by a little; the lens by its circle of confusion.
+        // Tiles extend by the filter's reach; displaced grids move strands by less than two samples, lens points by the circle of confusion.
         let margin = plan.reach as f32 + 2.0 + plan.blur_margin(world);
         let size = [edge * plan.grid; 2];
         let tiles = TileGrid { origin: [0; 2], size, grid, margin, length: 0.0 };
@@ -60,16 +60,16 @@ impl Bins {
     }
 }
 
-/// What step 6 rasterises from.
+/// Source of the strands of step 6.
 pub(super) struct StrandRaster<'a> {
     pub prepared: &'a Prepared<'a>,
     pub world: &'a World,
-    /// `None` where strands are grown for each tile.
+    /// `None` if strands are grown for each tile.
     pub bins: Option<&'a Bins>,
 }
 
 impl StrandRaster<'_> {
-    /// Adds the fragments of the strands of tile number `bin` to the lists.
+    /// Adds the fragments of the strands of bin `bin` to the lists of the tile of `frame` in `scope`.
     pub fn draw(&self, bin: u32, scope: &Scope<'_>, timings: &mut Timings) -> Result<()> {
         match (&self.prepared.resident, self.bins) {
             (Some(strands), Some(bins)) => {
@@ -80,7 +80,7 @@ impl StrandRaster<'_> {
         }
     }
 
-    /// Grows the strands that may touch the tile of the frame in `scope`, batch by batch, and draws them.
+    /// Grows the strands that may touch the tile, batch by batch, and draws them.
     fn grow_and_draw(&self, scope: &Scope<'_>, timings: &mut Timings) -> Result<()> {
         let gpu = self.prepared.gpu;
         let length = self.longest();
@@ -108,7 +108,7 @@ impl StrandRaster<'_> {
         Ok(())
     }
 
-    /// Length of the longest strand including all that displaces it, cm.
+    /// Length of the longest strand including all displacements, cm.
     fn longest(&self) -> f32 {
         let guard = &self.world.scene.guard;
         1.3 * guard.length.max()

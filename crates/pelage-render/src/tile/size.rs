@@ -1,4 +1,4 @@
-//! How large a tile may be within the memory budget and the limits of the adapter.
+//! Choice of the tile size within the memory budget and the limits of the adapter.
 
 use super::SMALLEST;
 use crate::plan::SamplePlan;
@@ -7,24 +7,24 @@ use crate::tile_buffers::{FRAGMENT_BYTES, SAMPLE_BYTES};
 use pelage_core::{Error, Result, World};
 use pelage_gpu::recorder::RASTER_MARGIN;
 
-/// Fragments a sample that a tile is sized for.
+/// Fragments per sample for which a tile is sized.
 const EXPECTED_FRAGMENTS: u64 = 8;
 
-/// Fragments a sample past which lists get no more room.
+/// Fragments per sample beyond which lists get no more room.
 const MOST_FRAGMENTS: u64 = 400;
 
-/// The size of a rendering's tiles.
+/// Size of the tiles of a rendering.
 pub(super) struct TileSize {
     /// Edge, pixels.
     pub edge: u32,
-    /// Samples of the largest tile, those that the filter reaches over its edge included.
+    /// Size of the largest tile in samples, including those that the filter reaches beyond its edge.
     pub extent: [u32; 2],
-    /// Bytes of its fragment lists.
+    /// Size of its `fragment_lists`, bytes.
     pub list_bytes: u64,
 }
 
 impl TileSize {
-    /// The largest that the memory left over by `prepared` allows.
+    /// The largest tiles that fit the memory left by `prepared`.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if not even the smallest tile fits.
@@ -32,10 +32,10 @@ impl TileSize {
         let gpu = prepared.gpu;
         let scene = &world.scene;
         let used = gpu.ledger.current();
-        // A pixel is held twice while it is read back.
+        // Pixels exist twice while they are read back.
         let sample_bytes = SAMPLE_BYTES + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
         let per_sample = sample_bytes + EXPECTED_FRAGMENTS * FRAGMENT_BYTES;
-        // Bins, staging and pixels need some room too.
+        // Reserve for bins or for strands grown per tile, and for staging.
         let strands = match &prepared.resident {
             Some(_) => prepared.strands * 6,
             None => prepared
@@ -59,7 +59,7 @@ impl TileSize {
             .min(4096)
             .min(gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32));
         let edge = (samples_edge.saturating_sub(2 * plan.reach) / plan.grid).max(SMALLEST);
-        // No larger than the film.
+        // No tile is larger than the film.
         let edge = edge.min(scene.film.width.max(scene.film.height));
         let extent =
             [edge.min(scene.film.width), edge.min(scene.film.height)].map(|e| e * plan.grid + 2 * plan.reach);

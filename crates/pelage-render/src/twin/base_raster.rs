@@ -8,29 +8,29 @@ use pelage_fur::octahedral;
 use pelage_fur::shell::Shell;
 use pelage_fur::view::{film_from_world, sample_ray};
 
-/// Depth where there is no skin.
+/// Depth of a sample at which there is no skin.
 pub const NO_BASE: f32 = 1e30;
 
-/// Parts of a sample that corners are rounded to.
+/// Grid points per sample to which corners are rounded.
 const GRID: f32 = 256.0;
 
-/// How a triangle covers a sample.
+/// Position of a sample relative to a triangle.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cover {
-    /// Counter-clockwise as the camera sees it.
+    /// Whether the triangle is counter-clockwise as seen from the camera.
     pub front: bool,
-    /// Distance of the sample's centre from the nearest of the lines through the edges, in samples; negative outside.
+    /// Least signed distance of the sample's centre from the lines through the edges, in samples; negative outside.
     pub margin: f32,
 }
 
-/// A triangle on the raster's own grid.
+/// A triangle with its corners on the rasteriser's grid.
 #[derive(Debug, Clone, Copy)]
 pub struct Projected {
     corners: [[i64; 2]; 3],
     front: bool,
 }
 
-/// A triangle's corners on the grid of 1/256 sample; `None` where one lies before the near plane or all on a line.
+/// Rounds a triangle's corners to the grid of 1/256 sample; `None` if one is in front of the near plane or all lie on a line.
 pub fn project(frame: &Frame, corners: [Vec3; 3]) -> Option<Projected> {
     let film = corners.map(|p| film_from_world(frame, p));
     if film.iter().any(|p| p.z < frame.near) {
@@ -41,7 +41,7 @@ pub fn project(frame: &Frame, corners: [Vec3; 3]) -> Option<Projected> {
     if area == 0 {
         return None;
     }
-    // y points down: what is counter-clockwise has a negative area.
+    // y points down, so a counter-clockwise triangle has a negative area.
     if area < 0 {
         c.swap(1, 2);
     }
@@ -53,8 +53,8 @@ fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
 }
 
 impl Projected {
-    /// How the triangle lies to sample `xy` of the tile; covered where the margin is not negative.
-    /// Centres on an edge belong to the triangle to the right of it or below it.
+    /// Position of sample `xy` of the tile relative to the triangle, which covers it if the margin is not negative. By the top-left rule, a
+    /// centre on an edge belongs to the triangle to the right of the edge or below it.
     pub fn cover(&self, frame: &Frame, xy: [u32; 2]) -> Cover {
         let p = [0, 1].map(|k| (i64::from(frame.tile_origin[k]) + i64::from(xy[k])) * 256 + 128);
         let margin = (0..3)
@@ -74,7 +74,7 @@ impl Projected {
         Cover { front: self.front, margin }
     }
 
-    /// The samples of the tile that the triangle may cover: x from..to, y from..to.
+    /// Ranges of x and y of the tile's samples that the triangle may cover.
     pub fn bounds(&self, frame: &Frame) -> [std::ops::Range<u32>; 2] {
         [0, 1].map(|k| {
             let low = self.corners.iter().map(|c| c[k]).min().unwrap_or(0).div_euclid(256);
@@ -86,7 +86,7 @@ impl Projected {
     }
 }
 
-/// Depth at which the ray of a sample meets the plane through three points, cm.
+/// Depth (cm) at which the ray of a sample meets the plane through three points.
 pub fn plane_depth(frame: &Frame, corners: [Vec3; 3], ray: Vec3) -> f32 {
     let n = (corners[1] - corners[0]).cross(corners[2] - corners[0]);
     (corners[0] - Vec3::from(frame.eye)).dot(n) / ray.dot(n)
@@ -111,19 +111,18 @@ pub fn triangles(frame: &Frame, shell: &Shell) -> Vec<Option<u32>> {
     nearest.into_iter().map(|(_, triangle)| triangle).collect()
 }
 
-/// What a sample of the skin shows.
+/// Unpacked base record.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Base {
     /// Depth, cm.
     pub z: f32,
-    /// Towards the camera.
+    /// Radiance towards the camera.
     pub radiance: Vec3,
-    /// Smoothed, unit.
+    /// Smoothed unit normal.
     pub normal: Vec3,
 }
 
-/// Shades a sample that sees `triangle`; `base_light` holds the light that leaves the skin at each column of the lattice,
-/// as three halves.
+/// Shades sample `xy`, at which `triangle` is nearest. `base_light`: radiance of the skin at each column of the lattice, three halves.
 pub fn shade(
     frame: &Frame,
     shell: &Shell,
@@ -147,13 +146,13 @@ pub fn shade(
         Vec3::from([rg as u16, (rg >> 16) as u16, b as u16].map(|h| f16::from_bits(h).to_f32()))
     };
     let lit: Vec3 = (0..3).map(|k| cell.weights[k] * light(cell.columns[k])).sum();
-    // The inner side of an open skin shows itself unlit.
+    // The inner side of an open skin is dimmed.
     let radiance = if ray.dot(n) < 0.0 { lit } else { 0.15 * lit };
     let [na, nb, nc] = place.vertices.map(|v| Vec3::from(shell.vertices[v as usize].normal));
     Base { z, radiance, normal: (lambda.x * na + lambda.y * nb + lambda.z * nc).normalize() }
 }
 
-/// A base fragment as the GPU packs it: depth, three halves, octahedral normal.
+/// Unpacks a base record: depth, radiance as three halves, octahedral normal.
 pub fn unpack(record: [u32; 4]) -> Base {
     let half = |word: u32| f16::from_bits(word as u16).to_f32();
     let snorm = |word: u32| (f32::from(word as u16 as i16) / 32767.0).max(-1.0);

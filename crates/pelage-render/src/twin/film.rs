@@ -5,34 +5,34 @@ use half::f16;
 use pelage_fur::layout::Reconstruction;
 use pelage_fur::octahedral;
 
-/// Planes that the pass writes; the last two are the sum and the weight of the depth.
+/// Number of planes that the pass writes; the last two are the sum and the weight of the depth.
 pub const PLANES: usize = 20;
 
-/// A resolved sample. Radiances are premultiplied.
+/// Unpacked film sample. Radiances are premultiplied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Of the guard hairs.
+    /// Radiance of the guard hairs.
     pub guard: Vec3,
-    /// Of the undercoat.
+    /// Radiance of the undercoat.
     pub undercoat: Vec3,
-    /// Of the skin.
+    /// Radiance of the skin.
     pub base: Vec3,
     /// Transmittance.
     pub through: f32,
-    /// Opacity-weighted depth, cm; 1e30 where nothing is.
+    /// Opacity-weighted depth, cm; 1e30 where nothing is hit.
     pub z: f32,
-    /// Of the skin, if it is there.
+    /// Normal of the skin, if it is hit.
     pub normal: Option<Vec3>,
-    /// Length of the list.
+    /// Length of the sample's list.
     pub fragments: u32,
 }
 
-/// Two halves of a word.
+/// The two half floats of a word.
 pub fn halves(word: u32) -> [f32; 2] {
     [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32())
 }
 
-/// A sample as the buffer holds it.
+/// Unpacks a sample of the buffer `samples`.
 pub fn unpack(words: [u32; 8]) -> Sample {
     let [a, b, c, d] = [words[0], words[1], words[2], words[3]].map(halves);
     let [base_b, through] = halves(words[4]);
@@ -49,7 +49,7 @@ pub fn unpack(words: [u32; 8]) -> Sample {
     }
 }
 
-/// The planes of one pixel, each the filtered sum over the samples around it, in double precision.
+/// The planes of a pixel, filtered from the samples around it, in double precision. `size`: samples of the tile.
 pub fn pixel(r: &Reconstruction, size: [u32; 2], samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
     let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
     let corner = [0, 1].map(|k| r.origin[k] + (pixel[k] * r.grid) as i32 - r.reach);

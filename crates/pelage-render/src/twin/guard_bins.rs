@@ -5,7 +5,7 @@ use pelage_fur::layout::{Frame, TileGrid};
 use pelage_fur::strands::{position, radius};
 use pelage_fur::view::{film_from_world, samples_per_slope};
 
-/// Tiles that a strand touches, by number, row by row.
+/// Numbers of the tiles that a strand touches, row by row.
 pub fn touched(frame: &Frame, tiles: &TileGrid, strand: &[[f32; 4]]) -> Vec<u32> {
     let film: Vec<(Vec3, f32)> =
         strand.iter().map(|v| (film_from_world(frame, position(*v)), radius(*v))).collect();
@@ -40,7 +40,8 @@ pub fn touched(frame: &Frame, tiles: &TileGrid, strand: &[[f32; 4]]) -> Vec<u32>
     })
 }
 
-/// Whether a strand from `root` (cm) that reaches `length` cm at most may touch the tile of `frame`; errs on the safe side.
+/// Whether a strand from `root` (cm) that reaches at most `length` cm from it may touch the tile of `frame`, extended by `margin` samples.
+/// Conservative.
 pub fn may_touch(frame: &Frame, root: Vec3, length: f32, margin: f32) -> bool {
     let p = film_from_world(frame, root);
     let nearest = p.z - length;
@@ -50,7 +51,7 @@ pub fn may_touch(frame: &Frame, root: Vec3, length: f32, margin: f32) -> bool {
     if nearest <= frame.near {
         return true;
     }
-    // A sphere around the root; off the axis it looks a little longer.
+    // A sphere around the root; away from the view axis its image is slightly elongated.
     let slope = frame.tan_x.max(frame.tan_y);
     let radius = length * samples_per_slope(frame) / nearest * (1.0 + 2.0 * slope * slope).sqrt() + margin;
     (0..2).all(|k| {

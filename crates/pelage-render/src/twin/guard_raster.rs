@@ -10,29 +10,29 @@ use pelage_fur::view::{film_from_world, samples_per_slope};
 /// A fragment of a strand.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fragment {
-    /// Sample of the tile.
+    /// Sample within the tile.
     pub xy: [u32; 2],
     /// Depth, cm.
     pub z: f32,
-    /// Kind and id: breaks ties of depth.
+    /// Kind and id; breaks ties of depth.
     pub source: u32,
-    /// Premultiplied.
+    /// Premultiplied radiance and opacity.
     pub color: Vec4,
 }
 
-/// Part of a sample-wide box at distance `across` from the middle of a ribbon that the ribbon covers, in samples.
+/// Part of a box one sample wide, at distance `across` from the middle of a ribbon, that the ribbon covers. All lengths in samples.
 pub fn ribbon_coverage(across: f32, radius: f32) -> f32 {
     ((across + 0.5).min(radius) - (across - 0.5).max(-radius)).clamp(0.0, 1.0)
 }
 
-/// Colour of a shaded vertex, and whether the eye does not see it.
+/// Radiance of a shaded vertex, and whether it is hidden from the camera.
 fn unpack_shade(shade: [u32; 2]) -> (Vec3, bool) {
     let half = |word: u32| f16::from_bits(word as u16).to_f32();
     let color = Vec3::new(half(shade[0]), half(shade[0] >> 16), half(shade[1]));
     (color, half(shade[1] >> 16) > 0.5)
 }
 
-/// Fragments of segment `k` of a strand with its shaded vertices; `seed` is the root's. The skin is not asked.
+/// Fragments of segment `k` of a strand with shaded vertices, not tested against the skin. `seed`: that of the root.
 pub fn segment(
     frame: &Frame,
     strand: &[[f32; 4]],
@@ -61,7 +61,7 @@ pub fn segment(
     let radius_b = radius(ends[1]) * samples_per_slope(frame) / b.z;
     let source = hash2(seed, k as u32) & 0x3fff_ffff;
     let d = (b - a).truncate();
-    // Columns are visited along the axis of larger extent.
+    // Columns of samples are visited along the axis of larger extent.
     let (major, minor) = if d.y.abs() > d.x.abs() { (1, 0) } else { (0, 1) };
     let span = d[major];
     let cosine = span.abs() / d.length_squared().max(1e-20).sqrt();
@@ -70,7 +70,7 @@ pub fn segment(
     let (low, high) = (a[major].min(b[major]), a[major].max(b[major]));
     for column in tile(major).filter(|x| centre(*x) >= low && centre(*x) < high) {
         let u = (centre(column) - a[major]) / span;
-        // Along the hair in space: the projection divides by depth.
+        // Parameter along the hair in space: perspective-correct.
         let w = u * a.z / (b.z + (a.z - b.z) * u);
         let z = a.z + (b.z - a.z) * w;
         let radius = radius_a + (radius_b - radius_a) * u;

@@ -13,19 +13,19 @@ use pelage_fur::shell::Located;
 use pelage_fur::strand_curve::tip_share;
 use pelage_fur::strands::{position, tangent};
 
-/// Optical depth to the eye behind which a vertex is not shaded.
+/// Optical depth towards the camera beyond which a vertex is hidden and not shaded.
 pub const HIDDEN: f32 = 14.0;
 
 /// A shaded vertex.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shade {
-    /// Radiance towards the eye.
+    /// Radiance towards the camera.
     pub radiance: Vec3,
-    /// Least optical depth to the eye around it: behind [`HIDDEN`] the shader leaves it out.
+    /// Least optical depth towards the camera at the corners of its lattice cell; beyond [`HIDDEN`] the shader skips the vertex.
     pub eye_tau: f32,
 }
 
-/// Shades the vertices of a strand with its root.
+/// Shades the vertices of a strand that grows from `root`.
 pub fn shade(
     light: &Lattice<'_>,
     maps: &Maps<'_>,
@@ -47,8 +47,8 @@ pub fn shade(
         let along = tangent(strand, k);
         let view = (Vec3::from(light.frame.eye) - x).normalize();
         let s = k as f32 / (strand.len() - 1) as f32;
-        let tint = ends[0].lerp(ends[1], tip_share(groom.color_transition, s)).clamp(Vec3::ZERO, Vec3::ONE);
-        // A strand that hangs over the border of the skin keeps its last place.
+        let albedo = ends[0].lerp(ends[1], tip_share(groom.color_transition, s)).clamp(Vec3::ZERO, Vec3::ONE);
+        // A strand that leaves the shell over the border of the skin keeps its last place.
         inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
         let cell = cell(fur, &place);
         let corners = |j: u32| {
@@ -64,17 +64,17 @@ pub fn shade(
         let mut radiance = Vec3::ZERO;
         for (j, l) in (0..fur.lights.count).zip(light.lights) {
             let through = match groom.paper {
-                0 => (-tau(j) * (1.0 - fur.undercoat.forward_scattering * tint)).exp(),
+                0 => (-tau(j) * (1.0 - fur.undercoat.forward_scattering * albedo)).exp(),
                 _ => Vec3::ONE,
             };
             let scattered = fibre.scatter_far(
-                &Hit { tint, glint_angle, h: 0.0 },
+                &Hit { tint: albedo, glint_angle, h: 0.0 },
                 &Angles::around(along, Vec3::from(l.direction), view),
             );
             radiance += Vec3::from(l.irradiance) * through * scattered;
             if let (MultipleModel::Dual, Some(table)) = (light.multiple, light.table) {
                 let to_light = Vec3::from(l.direction);
-                let of_light = table.dual_scatter(Layer::Guard, tint, along, to_light, view, tau(j));
+                let of_light = table.dual_scatter(Layer::Guard, albedo, along, to_light, view, tau(j));
                 radiance += Vec3::from(l.irradiance) * of_light;
             }
         }
@@ -86,7 +86,7 @@ pub fn shade(
                 (0..2).for_each(|k| scattered[k] += cell.weights[c] * low[k].lerp(high[k], cell.fraction));
             }
             let normal = place.extrusion(place.lambda).normalize();
-            radiance += table.guard_response(tint, along, view, normal, scattered);
+            radiance += table.guard_response(albedo, along, view, normal, scattered);
         }
         if groom.paper == 1 {
             // [Andersen2016] sec. 3.1

@@ -1,4 +1,4 @@
-//! Twin of `shaders/guard_splat.wgsl`: what stands in the way of the light at the nodes of the light lattice.
+//! Twin of `shaders/guard_splat.wgsl`: extinction at the nodes of the optical-depth lattice.
 
 use crate::twin::lattice;
 use crate::twin::lattice::{node_index, node_place};
@@ -8,10 +8,10 @@ use pelage_fur::shell::{Located, Shell};
 use pelage_fur::strands::{position, radius};
 use pelage_fur::undercoat::Undercoat;
 
-/// Deposits a segment.
+/// Deposits per segment.
 const PARTS: u32 = 2;
 
-/// Length times diameter of strands at the nodes, cm2, and how much of it lay within the shell.
+/// Length times diameter of strands deposited at the nodes, cm², and its sum over the parts of the strands that lie within the lattice.
 pub fn deposits(
     shell: &Shell,
     fur: &FurParameters,
@@ -43,35 +43,35 @@ pub fn deposits(
     (nodes, total)
 }
 
-/// Volume that a node stands for, cm3.
+/// Volume that a node represents, cm³.
 pub fn volume(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -> f32 {
     let (place, _) = node_place(shell, fur, column, level);
     let t = place.t;
     let flat = place.e1.cross(place.e2).length().max(1e-20);
     let raised = (place.e1 + t * place.w1).cross(place.e2 + t * place.w2).length();
     let height = place.extrusion(place.lambda).length() * fur.lattice.reach / fur.lattice.levels as f32;
-    // The end nodes stand for half a cell.
+    // The first and the last node of a column represent half a cell.
     let cells = if level == 0 || level == fur.lattice.levels { 0.5 } else { 1.0 };
     (column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9)
 }
 
-/// Extinction at a node, 1/cm: that of the undercoat seen square, and that of guard hairs that deposited `deposit` cm2.
+/// Projected extinction at a node, 1/cm: that of the undercoat, and that of guard hairs that deposited `deposit` cm².
 pub fn extinction(
     fur: &FurParameters,
-    coat: &Undercoat<'_>,
+    undercoat: &Undercoat<'_>,
     column: &Column,
     level: u32,
     deposit: f64,
 ) -> [f32; 2] {
-    let guard = deposit as f32 / volume(coat.shell, fur, column, level);
-    let (place, _) = node_place(coat.shell, fur, column, level);
+    let guard = deposit as f32 / volume(undercoat.shell, fur, column, level);
+    let (place, _) = node_place(undercoat.shell, fur, column, level);
     if place.t > 1.0 {
         return [0.0, guard];
     }
-    let p = coat.domain_point(&place, place.lambda);
+    let p = undercoat.domain_point(&place, place.lambda);
     let t = place.t;
     let tangent =
         (place.extrusion(place.lambda).normalize() + Vec3::from(fur.undercoat.lean) * t).normalize();
-    let density = column.density * coat.clump_density(p, p, t) * place.crowding(t, tangent);
+    let density = column.density * undercoat.clump_density(p, p, t) * place.crowding(t, tangent);
     [fur.undercoat.extinction * density, guard]
 }

@@ -1,30 +1,31 @@
-//! Twin of `shaders/shared/{lattice,column,column_place,record}.wgsl`: the light lattice.
+//! Twin of `shaders/shared/{lattice,column,column_place,record}.wgsl`: the optical-depth lattice.
+// Cf. [YukselKeyser2008]
 
 use glam::{Vec2, Vec3};
 use pelage_fur::layout::{Column, FurParameters};
 use pelage_fur::shell::{Place, Shell};
 
-/// The lattice cell that holds a place: three columns, two levels.
+/// The lattice cell that contains a place: three columns and two levels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Cell {
-    /// Columns.
+    /// Numbers of the columns.
     pub columns: [u32; 3],
     /// Their weights, which add up to 1.
     pub weights: Vec3,
     /// The lower level.
     pub level: u32,
-    /// Part of the upper level.
+    /// Weight of the upper level.
     pub fraction: f32,
 }
 
-/// Grid point k of edge number `edge` from vertex a to b, counted from a: its column.
+/// Column at grid point `k` of edge number `edge` from vertex `a` to `b`, counted from `a`.
 fn edge_column(fur: &FurParameters, edge: u32, a: u32, b: u32, k: u32) -> u32 {
     let from_smaller = if a < b { k } else { fur.lattice.cells - k };
     fur.lattice.vertices + edge * (fur.lattice.cells - 1) + from_smaller - 1
 }
 
-/// Column at barycentric (n - i - j, i, j) / n of a place's triangle: first come those at the skin's vertices, then those within its
-/// edges, then those within its triangles.
+/// Column at barycentric coordinates (n - i - j, i, j) / n of a place's triangle. Columns at the skin's vertices come first, then those
+/// within edges, then those within triangles.
 pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
     let n = fur.lattice.cells;
     let [a, b, c] = place.vertices;
@@ -43,7 +44,7 @@ pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
     }
 }
 
-/// The cell of a place.
+/// The cell that contains a place.
 pub fn cell(fur: &FurParameters, place: &Place) -> Cell {
     let height = (place.t / fur.lattice.reach).clamp(0.0, 1.0) * fur.lattice.levels as f32;
     let level = (height as u32).min(fur.lattice.levels - 1);
@@ -70,7 +71,7 @@ pub fn cell(fur: &FurParameters, place: &Place) -> Cell {
     Cell { columns, weights, level, fraction }
 }
 
-/// Node of a column at a level, 0..=levels.
+/// Number of the node of a column at a level, 0..=levels.
 pub fn node_index(fur: &FurParameters, column: u32, level: u32) -> u32 {
     column * (fur.lattice.levels + 1) + level
 }
@@ -87,7 +88,7 @@ pub fn level_height(fur: &FurParameters, level: u32) -> f32 {
     level as f32 / fur.lattice.levels as f32 * fur.lattice.reach
 }
 
-/// The place of a node, and its position, cm.
+/// The place of a node, and its position (world, cm).
 pub fn node_place(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -> (Place, Vec3) {
     let mut place = shell.enter(column.prism);
     place.lambda = column_lambda(fur, column);
@@ -95,7 +96,7 @@ pub fn node_place(shell: &Shell, fur: &FurParameters, column: &Column, level: u3
     (place, place.point(place.t, place.lambda))
 }
 
-/// Three 10-bit parts of 0..1 in a word.
+/// Packs an albedo, 10 bits per channel.
 pub fn pack_albedo(c: Vec3) -> u32 {
     let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 1023.0).round_ties_even() as u32);
     r | (g << 10) | (b << 20)

@@ -1,17 +1,18 @@
-//! Twin of `shaders/light_occlusion.wgsl`: which lights the skin blocks, with every triangle tried in double precision.
+//! Twin of `shaders/light_occlusion.wgsl`: which lights the skin blocks, testing every triangle in double precision.
 
 use crate::twin::lattice::node_place;
 use glam::{DVec3, Vec3};
 use pelage_fur::layout::{Column, FurParameters, Light};
 use pelage_fur::shell::Shell;
 
-/// Where a column's shadow rays start, cm: at the top of the light lattice, a little above the skin in any case.
+/// Origin of a column's shadow rays, cm: at the top of the optical-depth lattice, at least slightly above the skin.
 pub fn origin(shell: &Shell, fur: &FurParameters, column: &Column) -> Vec3 {
     let (place, top) = node_place(shell, fur, column, fur.lattice.levels);
     top + place.e1.cross(place.e2).normalize() * 1e-3
 }
 
-/// Ray parameter at which a ray meets a triangle in front of its origin. Edges belong to the triangle.
+/// Parameter at which a ray meets a triangle in front of its origin, if it does. Edges belong to the triangle.
+// [MollerTrumbore1997]
 pub fn hit(corners: [Vec3; 3], origin: Vec3, ray: Vec3) -> Option<f64> {
     let [p0, p1, p2] = corners.map(|p| p.as_dvec3());
     let (origin, ray): (DVec3, DVec3) = (origin.as_dvec3(), ray.as_dvec3());
@@ -34,7 +35,7 @@ pub fn blocked(shell: &Shell, origin: Vec3, ray: Vec3) -> bool {
     })
 }
 
-/// One bit a light that the skin keeps from a column.
+/// One bit per light that the skin blocks at a column.
 pub fn bits(shell: &Shell, fur: &FurParameters, lights: &[Light], column: &Column) -> u64 {
     let origin = origin(shell, fur, column);
     (0..fur.lights.count as usize)

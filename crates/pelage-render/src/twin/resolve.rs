@@ -1,17 +1,17 @@
-//! Twin of `shaders/resolve.wgsl`: the fragments of a sample to its colour.
+//! Twin of `shaders/resolve.wgsl`: resolves the fragments of a sample.
 
 use crate::twin::undercoat_march::{MarchInputs, Step, steps};
 use glam::{Vec3, Vec4};
 use pelage_fur::layout::UndercoatParameters;
 
-/// What a fragment is: the top two bits of its source.
+/// Kind of a fragment, the top two bits of its source.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Of a guard hair.
+    /// A fragment of a guard hair.
     Strand,
     /// An entry into the shell.
     Entry,
-    /// Of the undercoat.
+    /// A fragment of the undercoat.
     Volume,
 }
 
@@ -20,14 +20,14 @@ pub enum Kind {
 pub struct Node {
     /// Depth, cm.
     pub z: f32,
-    /// Kind and id.
+    /// Kind and id; breaks ties of depth.
     pub source: u32,
-    /// Premultiplied.
+    /// Premultiplied radiance and opacity; of an entry unused.
     pub color: Vec4,
 }
 
 impl Node {
-    /// What it is.
+    /// Its kind.
     pub fn kind(&self) -> Kind {
         match self.source >> 30 {
             0 => Kind::Strand,
@@ -36,13 +36,13 @@ impl Node {
         }
     }
 
-    /// The prism of an entry.
+    /// Its id: of an entry, the prism.
     pub fn id(&self) -> u32 {
         self.source & 0x3fff_ffff
     }
 }
 
-/// The skin under a sample.
+/// The skin at a sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Base {
     /// Depth, cm.
@@ -51,27 +51,29 @@ pub struct Base {
     pub radiance: Vec3,
 }
 
-/// What a sample gathers. Radiances are premultiplied.
+/// Sums of a sample, front to back. Radiances are premultiplied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gathered {
-    /// Of the guard hairs.
+    /// Radiance of the guard hairs.
     pub guard: Vec3,
-    /// Of the undercoat.
+    /// Radiance of the undercoat.
     pub undercoat: Vec3,
-    /// Of the skin.
+    /// Radiance of the skin.
     pub base: Vec3,
-    /// Transmittance.
+    /// Transmittance so far.
     pub through: f32,
     /// Sum of opacity times depth, cm.
     pub z_sum: f32,
 }
 
 impl Gathered {
-    /// Nothing yet.
+    /// The sums before the first fragment.
     pub fn new() -> Self {
         Self { guard: Vec3::ZERO, undercoat: Vec3::ZERO, base: Vec3::ZERO, through: 1.0, z_sum: 0.0 }
     }
 
+    /// Composites a fragment behind the others.
+    // [PorterDuff1984]
     fn over(&mut self, kind: Kind, color: Vec4, z: f32) {
         let light = self.through * color.truncate();
         match kind {
@@ -83,6 +85,7 @@ impl Gathered {
         self.through *= 1.0 - color.w;
     }
 
+    /// Composites the skin behind everything.
     fn finish(mut self, base: Option<Base>) -> Self {
         if let Some(base) = base {
             self.base = self.through * base.radiance;
@@ -92,7 +95,7 @@ impl Gathered {
         self
     }
 
-    /// Opacity-weighted depth, cm; 1e30 where nothing is.
+    /// Opacity-weighted depth, cm; 1e30 where nothing is hit.
     pub fn depth(&self) -> f32 {
         let opacity = 1.0 - self.through;
         if opacity > 1e-4 { self.z_sum / opacity } else { 1e30 }
@@ -105,14 +108,14 @@ impl Default for Gathered {
     }
 }
 
-/// Fragments by depth; equal depths by source, so that the order of arrival does not show.
+/// Sorts fragments by depth, and those of equal depth by source, so that the order of arrival does not matter.
 pub fn sort(nodes: &mut [Node]) {
     nodes.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.source.cmp(&b.source)));
 }
 
-/// Alpha that a shell fragment keeps in front of the strands directly behind it, up to the next shell fragment; `behind` is sorted.
-///
-/// DEVIATION: each strand counts with its own alpha, and what is left is not negative.
+/// Alpha of a shell fragment, reduced by the strands between it and the next shell fragment. `behind`: the fragments behind it, sorted.
+// [Andersen2016] eq. 4
+// DEVIATION: each strand counts with its own alpha, and the result is clamped to be non-negative.
 pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 {
     let taken: f32 = behind
         .iter()
@@ -123,8 +126,8 @@ pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 
     (shell.color.w - taken).max(0.0)
 }
 
-/// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by eq. 4 unless there are
-/// virtual fragments.
+/// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by
+/// [`simplified_alpha`]; virtual fragments are blended as they are.
 pub fn blend_fragments(
     undercoat: &UndercoatParameters,
     mut nodes: Vec<Node>,
@@ -142,8 +145,9 @@ pub fn blend_fragments(
     g.finish(base)
 }
 
-/// Blends strands and the undercoat marched from the list's entries, each at its true depth: the steps of the march are cut at
-/// every strand. What two entries share is counted for the first.
+/// Blends strands and the undercoat marched from the list's entries, both at their true depths: steps of the march are split at every
+/// strand. An interval shared by two entries counts for the first. `ray`, `phase`: see [`steps`].
+// [Max1995]
 pub fn exact(
     inputs: &MarchInputs<'_>,
     mut nodes: Vec<Node>,
@@ -156,14 +160,18 @@ pub fn exact(
     let mut pieces: Vec<Step> = Vec::new();
     let mut consumed = 0f32;
     for entry in nodes.iter().filter(|n| n.kind() == Kind::Entry) {
-        let (made, _) = steps(inputs, ray, entry.id(), entry.z, phase);
-        let end = made.last().map_or(entry.z, |s| s.z_end);
-        pieces.extend(made.iter().map(|s| Step { z: s.z.max(consumed), z_end: s.z_end.min(z_base), ..*s }));
+        let (marched, _) = steps(inputs, ray, entry.id(), entry.z, phase);
+        let end = marched.last().map_or(entry.z, |s| s.z_end);
+        pieces.extend(marched.iter().map(|s| Step {
+            z: s.z.max(consumed),
+            z_end: s.z_end.min(z_base),
+            ..*s
+        }));
         consumed = consumed.max(end);
     }
     pieces.retain(|s| s.z_end > s.z);
     let strands: Vec<&Node> = nodes.iter().filter(|n| n.kind() == Kind::Strand).collect();
-    // All places where something changes.
+    // All depths at which the medium changes or a strand lies.
     let mut cuts: Vec<f32> =
         pieces.iter().flat_map(|s| [s.z, s.z_end]).chain(strands.iter().map(|n| n.z)).collect();
     cuts.sort_by(f32::total_cmp);

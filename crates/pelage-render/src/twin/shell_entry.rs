@@ -1,4 +1,5 @@
-//! Twin of `shaders/shell_entry.wgsl`: where the rays of the samples enter the shell.
+//! Twin of `shaders/shell_entry.wgsl`: where the view rays of samples enter the prism shell.
+// [Andersen2016] sec. 3.2
 
 use crate::twin::base_raster::{plane_depth, project};
 use glam::Vec3;
@@ -6,19 +7,19 @@ use pelage_fur::layout::Frame;
 use pelage_fur::shell::Shell;
 use pelage_fur::view::sample_ray;
 
-/// A ray's entry into the shell.
+/// Entry of a view ray into the shell.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Entry {
     /// Depth, cm.
     pub z: f32,
-    /// The prism.
+    /// Prism that it enters.
     pub prism: u32,
-    /// Distance of the sample from the edges of the face, in samples.
+    /// Distance of the sample's centre from the nearest edge of the face, in samples.
     pub margin: f32,
 }
 
-/// The faces through which rays may enter, with their prisms: tops, and two triangles over each border edge
-/// (`[triangle, corner opposite the edge]`).
+/// The faces through which rays may enter, with their prisms: the tops, and two triangles over each border edge. `border`: triangle, and
+/// corner opposite the edge.
 pub fn faces(shell: &Shell, border: &[[u32; 2]]) -> Vec<(u32, [Vec3; 3])> {
     let skin = |v: u32| Vec3::from(shell.vertices[v as usize].position);
     let raised = |v: u32| {
@@ -34,8 +35,8 @@ pub fn faces(shell: &Shell, border: &[[u32; 2]]) -> Vec<(u32, [Vec3; 3])> {
     tops.chain(walls).collect()
 }
 
-/// Entries of each sample of the tile that lie before the skin, nearest first. Faces seen from within are no entries.
-/// `base_z` is the depth of the skin under each sample.
+/// Entries of each sample of the tile in front of the skin, nearest first. Back faces are not entries. `base_z`: depth of the skin at each
+/// sample, cm.
 pub fn entries(frame: &Frame, shell: &Shell, border: &[[u32; 2]], base_z: &[f32]) -> Vec<Vec<Entry>> {
     let width = frame.tile_size[0];
     let mut entries = vec![Vec::new(); base_z.len()];

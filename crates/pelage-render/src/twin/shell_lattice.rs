@@ -1,4 +1,4 @@
-//! Twin of `shaders/shell_lattice.wgsl`: what the columns of the light lattice know of the skin below them.
+//! Twin of `shaders/shell_lattice.wgsl`: attributes of the skin below the columns of the optical-depth lattice.
 
 use crate::twin::lattice::{column_lambda, pack_albedo};
 use pelage_fur::layout::{Column, FurParameters};

@@ -1,4 +1,5 @@
-//! Oracle of `shaders/undercoat_light.wgsl`: optical depths by a march of their own from every place, through the medium itself.
+//! Oracle for `shaders/undercoat_light.wgsl`: optical depths by a separate march from each place through the undercoat's medium
+//! itself; only guard hairs are read from the lattice.
 
 use crate::twin::lattice;
 use glam::Vec3;
@@ -7,24 +8,24 @@ use pelage_fur::shell::{Located, Place};
 use pelage_fur::undercoat::{Undercoat, extinction};
 use std::f32::consts::FRAC_PI_4;
 
-/// Optical depth at which a light counts as blocked: exp(-18) is below 2e-8.
+/// Optical depth at which a light counts as blocked; exp(-18) is below 2e-8.
 pub const TAU_BLOCKED: f32 = 18.0;
 
-/// What stands in the way of light.
+/// The medium that attenuates light.
 #[derive(Clone, Copy)]
 pub struct Attenuator<'a> {
-    /// Undercoat and lattice.
+    /// Parameters of undercoat and lattice.
     pub fur: &'a FurParameters,
     /// The undercoat.
     pub undercoat: Undercoat<'a>,
-    /// Density of the undercoat below each column, relative to the mean.
+    /// Density of the undercoat at each column, relative to `fur.undercoat.density`.
     pub densities: &'a [f32],
-    /// Extinction by guard hairs of every direction at the nodes of the lattice, 1/cm.
+    /// Projected extinction by guard hairs at the nodes of the lattice, 1/cm.
     pub guard: &'a [f32],
 }
 
 impl Attenuator<'_> {
-    /// Extinction by undercoat and guard hairs at a place, towards `w`, 1/cm.
+    /// Extinction by undercoat and guard hairs at a place towards `w`, 1/cm.
     pub fn extinction(&self, place: &Place, w: Vec3) -> f32 {
         let fur = self.fur;
         let cell = lattice::cell(fur, place);
@@ -42,7 +43,8 @@ impl Attenuator<'_> {
         sigma
     }
 
-    /// Optical depth from `x` in a place towards `w` in steps of `step` cm, until the ray leaves the lattice or has gone below the skin.
+    /// Optical depth from `x`, which lies at `start`, towards `w`, in steps of `step` cm until the ray leaves the lattice; [`TAU_BLOCKED`] if
+    /// it meets the skin.
     pub fn optical_depth(&self, start: &Place, x: Vec3, w: Vec3, step: f32) -> f32 {
         let fur = self.fur;
         let mut place = *start;

@@ -1,5 +1,6 @@
 //! Twin of `shaders/undercoat_march.wgsl`, `shared/march.wgsl` and `shared/phase.wgsl`: the march through the undercoat and the
-//! fragments that it leaves.
+//! fragments that it stores.
+// [Andersen2016] sec. 3.2 and 3.3
 
 use crate::twin::film::halves;
 use crate::twin::lattice;
@@ -11,7 +12,8 @@ use pelage_fur::layout::{Frame, FurParameters};
 use pelage_fur::shell::{Located, Place};
 use pelage_fur::undercoat::{Medium, Undercoat, color, extinction, scatter};
 
-/// Length of a ray's first step in steps.
+/// Length of a ray's first step, in steps.
+// [Jimenez2014]
 pub fn first_phase(frame: &Frame, xy: [u32; 2]) -> f32 {
     if frame.flags & FLAG_MARCH_JITTER == 0 {
         return 1.0;
@@ -21,38 +23,38 @@ pub fn first_phase(frame: &Frame, xy: [u32; 2]) -> f32 {
     0.05 + 0.95 * (turn + (frame.seed & 1023) as f32 * 0.618_034).fract()
 }
 
-/// What a march reads.
+/// Inputs of a march.
 #[derive(Clone, Copy)]
 pub struct MarchInputs<'a> {
-    /// Undercoat and lattice.
+    /// Parameters of undercoat, lattice and lights.
     pub fur: &'a FurParameters,
-    /// The medium.
+    /// The undercoat's medium.
     pub undercoat: Undercoat<'a>,
-    /// Light at the nodes of the lattice.
+    /// Light at the nodes of the lattice, the buffer `node_light`.
     pub source: &'a [[u32; 4]],
-    /// The view.
+    /// The frame globals.
     pub frame: &'a Frame,
-    /// Scattering of the undercoat.
-    pub coat: &'a Fibre,
+    /// Fibre model of the undercoat.
+    pub undercoat_fibre: &'a Fibre,
 }
 
-/// A part of a ray in which the medium is even.
+/// A step of the march: a part of a ray with constant medium.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Where it begins, cm of depth.
+    /// Depth at which it begins, cm.
     pub z: f32,
-    /// Where it ends, cm of depth.
+    /// Depth at which it ends, cm.
     pub z_end: f32,
-    /// Extinction, 1/cm of depth.
+    /// Extinction per cm of depth.
     pub sigma: f32,
     /// Source radiance.
     pub radiance: Vec3,
-    /// Where the medium was read.
+    /// Place at which the medium was read.
     pub place: Place,
 }
 
-/// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell;
-/// `phase` is the length of the first step. Also tells whether the ray was lost.
+/// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell, and whether the
+/// ray was lost. `phase`: length of the first step, in steps.
 pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
     let fur = inputs.fur;
     let shell = inputs.undercoat.shell;
@@ -72,7 +74,7 @@ pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32
         let (t, slope) = (place.t, place.dt_dz);
         let mut z_end = z + dz;
         let mut last = false;
-        // Rounding may put the start of a ray that descends a little above the top.
+        // By rounding, the start of a descending ray may lie slightly above the top.
         let starting = t > 1.0 && slope <= 0.0 && t <= 1.0 - slope * dz;
         if (t > 1.0 && !starting) || t < 0.0 {
             let beyond = if t > 1.0 { t - 1.0 } else { t };
@@ -98,20 +100,21 @@ pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32
     }
 }
 
-/// What the light lattice says of a place.
+/// Light at a place, interpolated between the nodes of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lookup {
-    /// Radiance by all lights that are no key lights, per albedo.
+    /// Scattered radiance per extinction, of all lights except the key lights and of multiple scattering; to be multiplied by
+    /// [`color`].
     pub ambient: Vec3,
-    /// Optical depths to the two key lights.
+    /// Optical depths towards the two key lights.
     pub tau: [f32; 2],
     /// Single-scattering albedo.
     pub albedo: Vec3,
-    /// Density of the undercoat on the skin below, relative to `fur.undercoat.extinction`.
+    /// Density of the undercoat on the skin below, relative to that in `fur.undercoat.extinction`.
     pub density: f32,
 }
 
-/// Interpolates the light lattice; the ambient radiance by its logarithm.
+/// Interpolates the light at the nodes; the ambient radiance by its logarithm.
 pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
     let fur = inputs.fur;
     let cell = lattice::cell(fur, place);
@@ -130,7 +133,7 @@ pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
     Lookup { ambient: ambient_rgb, tau, albedo, density: ambient.w }
 }
 
-/// Radiance that the medium sends to the viewer per extinction, and the density factor of the skin below, from the light lattice.
+/// Radiance that the medium scatters towards the unit direction `view` per extinction, and the density factor of the skin below.
 pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
     let fur = inputs.fur;
     let found = look_up(inputs, place);
@@ -138,10 +141,10 @@ pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view:
     for j in 0..fur.lights.keys as usize {
         let l = Vec4::from(fur.lights.key_direction[j]).truncate();
         let through = (-found.tau[j] * (1.0 - fur.undercoat.forward_scattering * found.albedo)).exp();
-        let scattered = scatter(inputs.coat, m.tangent, l, view, found.albedo);
+        let scattered = scatter(inputs.undercoat_fibre, m.tangent, l, view, found.albedo);
         sum += Vec4::from(fur.lights.key_irradiance[j]).truncate() * through * scattered;
     }
-    (sum * color(inputs.coat, found.albedo), found.density)
+    (sum * color(inputs.undercoat_fibre, found.albedo), found.density)
 }
 
 /// A fragment of the undercoat.
@@ -149,12 +152,12 @@ pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view:
 pub struct Fragment {
     /// Depth, cm.
     pub z: f32,
-    /// Premultiplied.
+    /// Premultiplied radiance and opacity.
     pub color: Vec4,
 }
 
-/// Fragments of a ray with its entries (depth, prism) in order, before the skin at `z_base`: one an entry, or of equal opacity where
-/// `fur.undercoat.virtual_fragments` asks for them. What two entries share is counted for the first.
+/// Fragments that a ray with `entries` (depth, prism; in order) stores in front of the skin at depth `z_base`: one shell fragment per entry,
+/// or `fur.undercoat.virtual_fragments` of equal opacity. An interval shared by two entries counts for the first.
 pub fn fragments(
     inputs: &MarchInputs<'_>,
     ray: Vec3,
@@ -163,11 +166,11 @@ pub fn fragments(
     z_base: f32,
 ) -> Vec<Fragment> {
     let fur = inputs.fur;
-    let mut made = Vec::new();
+    let mut fragments = Vec::new();
     let mut consumed = 0f32;
     for (z_entry, prism) in entries {
         let (steps, _) = steps(inputs, ray, *prism, *z_entry, phase);
-        // Pieces of even medium in which nothing is counted twice.
+        // Parts of the steps that no earlier entry has counted.
         let mut pieces: Vec<(f32, f32, f32, Vec3)> = Vec::new();
         let mut opaque = 0f32;
         let mut reached = *z_entry;
@@ -187,16 +190,17 @@ pub fn fragments(
         if n == 0 {
             let whole = blend(&pieces);
             if whole.w > 0.0 {
-                made.push(Fragment { z: *z_entry, color: whole });
+                fragments.push(Fragment { z: *z_entry, color: whole });
             }
             continue;
         }
-        made.extend(split(&pieces, n));
+        fragments.extend(split(&pieces, n));
     }
-    made
+    fragments
 }
 
-/// The pieces one after another.
+/// Composites pieces (from, to, extinction, radiance) front to back.
+// [Max1995]
 fn blend(pieces: &[(f32, f32, f32, Vec3)]) -> Vec4 {
     pieces.iter().fold(Vec4::ZERO, |sum, (from, to, sigma, radiance)| {
         let part = 1.0 - (-sigma * (to - from)).exp();
@@ -204,9 +208,11 @@ fn blend(pieces: &[(f32, f32, f32, Vec3)]) -> Vec4 {
     })
 }
 
-/// The pieces cut where the transmittance of the entry is 1 - k / n; a fragment stands where half of its opacity is reached.
+/// Splits the pieces where the transmittance of the entry is 1 - k / n. The depth of a fragment is that at which half of its opacity is
+/// reached.
+// DEVIATION: equal opacities; the paper joins a fixed number of steps. [Andersen2016] sec. 3.3
 fn split(pieces: &[(f32, f32, f32, Vec3)], n: u32) -> Vec<Fragment> {
-    let mut made = Vec::new();
+    let mut fragments = Vec::new();
     let mut rest: Vec<_> = pieces.iter().rev().copied().collect();
     for k in 0..n {
         let through = |j: f32| -(1.0 - j / n as f32).ln();
@@ -232,8 +238,8 @@ fn split(pieces: &[(f32, f32, f32, Vec3)], n: u32) -> Vec<Fragment> {
         }
         let color = blend(&taken);
         if let Some(first) = taken.first().filter(|_| color.w > 0.0) {
-            made.push(Fragment { z: z_middle.unwrap_or(first.0), color });
+            fragments.push(Fragment { z: z_middle.unwrap_or(first.0), color });
         }
     }
-    made
+    fragments
 }

@@ -1,4 +1,4 @@
-//! Twin of `shaders/undercoat_source.wgsl`: what the march and the skin look up of the lights.
+//! Twin of `shaders/undercoat_source.wgsl`: the light that the march and the skin look up.
 
 use crate::twin::film::halves;
 use crate::twin::lattice::{node_index, unpack_albedo};
@@ -17,17 +17,18 @@ use std::f32::consts::FRAC_1_PI;
 /// Light at a node of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// log2 of the radiance by all lights that are no key lights, of Kajiya-Kay per albedo; at least that of 1e-7.
+    /// log2 of the scattered radiance per extinction, of all lights except the key lights and of multiple scattering; for Kajiya-Kay per
+    /// colour. At least log2 of 1e-7.
     pub log_ambient: Vec3,
-    /// Relative density of the undercoat.
+    /// Density of the undercoat relative to that in `fur.undercoat.extinction`.
     pub density: f32,
-    /// Optical depths to the key lights.
+    /// Optical depths towards the key lights.
     pub key_tau: [f32; 2],
-    /// Albedo.
+    /// Single-scattering albedo.
     pub albedo: Vec3,
 }
 
-/// A source as the buffer holds it.
+/// Unpacks an entry of the buffer `node_light`.
 pub fn unpack(words: [u32; 4]) -> Source {
     let [r, g] = halves(words[0]);
     let [b, density] = halves(words[1]);
@@ -39,10 +40,10 @@ pub fn unpack(words: [u32; 4]) -> Source {
     }
 }
 
-/// What the pass reads.
+/// Inputs of the pass.
 #[derive(Clone, Copy)]
 pub struct Lattice<'a> {
-    /// Parameters.
+    /// Parameters of undercoat, lattice and lights.
     pub fur: &'a FurParameters,
     /// The shell.
     pub shell: &'a Shell,
@@ -50,32 +51,32 @@ pub struct Lattice<'a> {
     pub lights: &'a [Light],
     /// The columns.
     pub columns: &'a [Column],
-    /// Optical depths, pairs of halves.
+    /// The buffer `tau`: optical depths, pairs of halves.
     pub tau: &'a [u32],
-    /// The view.
+    /// The frame globals.
     pub frame: &'a Frame,
-    /// Scattering of the undercoat.
-    pub coat: &'a Fibre,
-    /// How light scattered by more than one hair is found.
+    /// Fibre model of the undercoat.
+    pub undercoat_fibre: &'a Fibre,
+    /// Model of multiple scattering.
     pub multiple: MultipleModel,
-    /// The table for it, if it takes one.
+    /// Its table, if it has one.
     pub table: Option<&'a Table>,
 }
 
 impl Lattice<'_> {
-    /// Optical depth of a node to a light (or to the eye, behind the last light).
+    /// Optical depth from a node towards a light, or towards the camera (the number after the last light).
     pub fn tau(&self, node: u32, light: u32) -> f32 {
         halves(self.tau[(node * self.fur.lattice.tau_stride + light / 2) as usize])[light as usize & 1]
     }
 
-    /// Mean scattered radiance at a node from above and from below.
+    /// Mean scattered radiance at a node, from above and from below.
     pub fn scattered(&self, node: u32) -> [Vec3; 2] {
         let first = (node * self.fur.lattice.tau_stride + tau_pairs(self.fur.lights.count)) as usize;
         let [[a, b], [c, d], [e, f]] = [0, 1, 2].map(|k| halves(self.tau[first + k]));
         [Vec3::new(a, b, c), Vec3::new(d, e, f)]
     }
 
-    /// Scattered radiance at a node by all lights of the undercoat, in a coat of this albedo; with transport only.
+    /// Scattered radiance at a node from all lights that light the undercoat, for fur of this albedo; zero except with transport.
     pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
         let mut field = Field::default();
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
@@ -88,30 +89,32 @@ impl Lattice<'_> {
         field
     }
 
-    /// What [`Table::sent_radiance`] says of all lights of the undercoat at level `level` of a column; with transport only.
+    /// Sum of [`Table::sent_radiance`] over all lights that light the undercoat, at level `level` of a column; zero except with transport.
     pub fn sent(&self, column: u32, level: u32, place: &Place) -> [Vec3; 3] {
         let mut sent = [Vec3::ZERO; 3];
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
             let height = level as f32 / self.fur.lattice.levels as f32 * self.fur.lattice.reach;
             let view = (Vec3::from(self.frame.eye) - place.point(height, place.lambda)).normalize();
             let normal = self.normal(place);
-            let coat = mean_albedo(self.coat, &self.columns[column as usize]);
+            let albedo = mean_albedo(self.undercoat_fibre, &self.columns[column as usize]);
             let node = node_index(self.fur, column, level);
             for (j, light) in (0..self.fur.lights.count).zip(self.lights).filter(|(_, l)| l.undercoat == 1) {
                 let mu = normal.dot(Vec3::from(light.direction));
-                let of_light = table.sent_radiance(coat, self.tau(node, j), mu, normal.dot(view));
+                let of_light = table.sent_radiance(albedo, self.tau(node, j), mu, normal.dot(view));
                 (0..3).for_each(|k| sent[k] += Vec3::from(light.irradiance) * of_light[k]);
             }
         }
         sent
     }
 
+    /// Interpolated unit normal of the skin.
     fn normal(&self, place: &Place) -> Vec3 {
         let n = place.vertices.map(|v| Vec3::from(self.shell.vertices[v as usize].normal));
         (place.lambda.x * n[0] + place.lambda.y * n[1] + place.lambda.z * n[2]).normalize()
     }
 
-    /// The source at level `level` of a column that stands at `place`.
+    /// Light at level `level` of a column at `place`.
+    // [Wyman1989] for the forward scattering
     pub fn source(&self, column: u32, level: u32, place: &Place) -> Source {
         let fur = self.fur;
         let of_column = &self.columns[column as usize];
@@ -129,8 +132,9 @@ impl Lattice<'_> {
             if light.undercoat == 1 && !keys.contains(&j) {
                 let through = (-self.tau(node, j) * attenuation).exp();
                 let l = Vec3::from(light.direction);
-                ambient +=
-                    Vec3::from(light.irradiance) * through * scatter(self.coat, tangent, l, view, albedo);
+                ambient += Vec3::from(light.irradiance)
+                    * through
+                    * scatter(self.undercoat_fibre, tangent, l, view, albedo);
             }
         }
         let mut scattered = Vec3::ZERO;
@@ -146,7 +150,7 @@ impl Lattice<'_> {
             }
             _ => {}
         }
-        ambient += scattered / color(self.coat, albedo).max(Vec3::splat(1e-3));
+        ambient += scattered / color(self.undercoat_fibre, albedo).max(Vec3::splat(1e-3));
         let mut key_tau = [0.0; 2];
         key_tau.iter_mut().zip(keys).for_each(|(tau, j)| *tau = self.tau(node, *j));
         Source {
@@ -157,7 +161,7 @@ impl Lattice<'_> {
         }
     }
 
-    /// Radiance of the skin below a column: Lambertian.
+    /// Radiance of the Lambertian skin below a column.
     pub fn base_light(&self, column: u32, place: &Place) -> Vec3 {
         let of_column = &self.columns[column as usize];
         let normal = self.normal(place);
@@ -169,15 +173,15 @@ impl Lattice<'_> {
             sum += Vec3::from(light.irradiance) * facing * (-self.tau(node, j) * attenuation).exp();
         }
         if let Some(table) = self.table {
-            let field = self.field(node, normal, mean_albedo(self.coat, of_column));
+            let field = self.field(node, normal, mean_albedo(self.undercoat_fibre, of_column));
             sum += table.field_irradiance(&field);
         }
         sum * unpack_albedo(of_column.color_base) * FRAC_1_PI
     }
 }
 
-/// The coat's albedo in the mean.
-fn mean_albedo(coat: &Fibre, column: &Column) -> Vec3 {
+/// Mean albedo of the undercoat's hairs between root and tip.
+fn mean_albedo(fibre: &Fibre, column: &Column) -> Vec3 {
     let [a, b] = [column.color_root, column.color_tip].map(unpack_albedo);
-    mean_color(coat, a, b)
+    mean_color(fibre, a, b)
 }
