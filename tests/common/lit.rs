@@ -63,7 +63,7 @@ impl Lit {
             columns: &self.columns,
             tau: &self.tau,
             frame: &self.frame,
-            coat: &self.fixture.packed.undercoat_fibre,
+            undercoat: &self.fixture.packed.undercoat_fibre,
             multiple: self.multiple.0,
             table: self.multiple.1.as_ref(),
         }
