@@ -1,11 +1,8 @@
-//! Scattering of light by one hair: the models that strands, volume and path tracer share.
+//! Scattering of light by a single hair: the models shared by strands, volume and path tracer.
 //!
-//! Directions are given in the fibre's frame: x along the tangent from root to tip, so that `sin θ = w.x` and
-//! `φ = atan2(w.z, w.y)`; both directions leave the hair. A model is a function f with
-//! `L_o = ∫ f(ω_i, ω_o) L_i cos θ_i dω_i`; it loses nothing where `∫ f cos θ_i dω_i = 1` for every ω_o.
+//! Directions are given in the fibre's frame, x along the tangent from root to tip, so that `sin θ = w.x` and `φ = atan2(w.z, w.y)`. Both directions leave the hair: ω_i towards the light, ω_o towards the viewer. A model is a function f with `L_o = ∫ f(ω_i, ω_o) L_i cos θ_i dω_i`; it is lossless if `∫ f cos θ_i dω_i = 1` for every ω_o.
 //!
-//! Chiang's model and that of hairs with a medulla scatter by the offset across the fibre, and by the eye's inclination: seen the
-//! other way round they are not the same. The others are far fields by themselves.
+//! Chiang's model and the one of hairs with a medulla depend on the offset h across the fibre (near field) and are not reciprocal: their parameters follow the inclination of ω_o. The others are far-field models.
 
 mod chiang;
 mod kajiya_kay;
@@ -30,47 +27,46 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// A scattering model with its parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Fibre {
-    /// A diffuse term and a highlight.
+    /// A diffuse term and a specular highlight.
     KajiyaKay(KajiyaKay),
-    /// Lobes by the artist's choice, normalised or not.
+    /// Lobes set by the artist, normalised or not.
     Sadeghi(Sadeghi),
     /// A rough dielectric cylinder.
     Chiang(Chiang),
-    /// A cortex around a medulla that scatters.
+    /// A cortex around a scattering medulla.
     Medulla(Medulla),
 }
 
-/// Where and how coloured a hair is hit.
+/// The colour of a hair and the place where it is hit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hit {
     /// Colour of the hair, linear RGB, 0..1.
     pub tint: Vec3,
-    /// Azimuth of the strand's glints, radians.
+    /// Azimuth of the strand's glints relative to ω_o, radians.
     pub glint_angle: f32,
-    /// Offset across the fibre, -1..1: the sine of the azimuth of ω_o less that of the surface normal. Models of thick
-    /// fibres scatter by it; their mean over h is the far field.
+    /// Offset across the fibre, −1..1: the sine of the azimuth of ω_o minus that of the surface normal. Near-field models depend on it; their mean over h is the far field.
     pub h: f32,
 }
 
 /// A sampled direction.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// Towards the light, unit, in the fibre's frame.
+    /// Direction towards the light, unit, in the fibre's frame.
     pub direction: Vec3,
-    /// Probability density per solid angle.
+    /// Probability density with respect to solid angle, 1/sr.
     pub pdf: f32,
     /// f cos θ_i / pdf.
     pub weight: Vec3,
 }
 
-/// Two directions as the models see them.
+/// A pair of directions, as the models use them.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Angles {
-    /// Sine and cosine of the inclination of the light.
+    /// Sine and cosine of the inclination θ_i of the light.
     pub i: [f32; 2],
-    /// Of the eye.
+    /// Sine and cosine of the inclination θ_o of the view direction.
     pub o: [f32; 2],
-    /// Azimuth of the light less that of the eye, -π..π.
+    /// Azimuth of the light minus that of the view direction, −π..π.
     pub phi: f32,
 }
 
@@ -80,14 +76,13 @@ fn inclination(sin: f32) -> [f32; 2] {
 }
 
 impl Angles {
-    /// Of directions in the fibre's frame.
+    /// From directions in the fibre's frame.
     pub fn new(wi: Vec3, wo: Vec3) -> Self {
         let phi = lobes::wrap(wi.z.atan2(wi.y) - wo.z.atan2(wo.y));
         Self { i: inclination(wi.x), o: inclination(wo.x), phi }
     }
 
-    /// Of a light `l` and an eye `v` around a hair of unit tangent `tangent`, all in one space; the azimuth without its sign, as
-    /// far fields are even in it.
+    /// From directions `l` to the light and `v` to the viewer around a hair of unit tangent `tangent`, all in one space. The azimuth has no sign, because far fields are even in it.
     pub fn around(tangent: Vec3, l: Vec3, v: Vec3) -> Self {
         let (i, o) = (inclination(tangent.dot(l)), inclination(tangent.dot(v)));
         let (lp, vp) = (l - i[0] * tangent, v - o[0] * tangent);
@@ -100,13 +95,13 @@ impl Angles {
     }
 }
 
-/// Offsets at which a far field is a mean: even steps of the angle of incidence on the cross section.
+/// Number of offsets over which a far field is averaged: even steps of the angle of incidence on the cross section.
 const FAR_STEPS: u32 = 200;
 
-/// Offsets h with weights that sum to 1.
+/// Offsets h in −1..1 with weights that sum to 1.
 pub fn offsets(steps: u32) -> impl Iterator<Item = (f32, f32)> {
     let step = PI / steps as f32;
-    let whole = 1.0 / (0.5 * step).sin() * step; // of the sum of the cosines, 2 in the limit
+    let whole = 1.0 / (0.5 * step).sin() * step; // Sum of the cosines, 2 in the limit.
     (0..steps).map(move |k| {
         let gamma = (k as f32 + 0.5) * step - FRAC_PI_2;
         (gamma.sin(), gamma.cos() * step / whole)
@@ -114,13 +109,13 @@ pub fn offsets(steps: u32) -> impl Iterator<Item = (f32, f32)> {
 }
 
 impl Fibre {
-    /// The model of a scene's table, for a layer whose table may leave it open; `shading = "paper"` has the layer's own.
+    /// The model that a fibre table of the scene describes, for a layer whose table may leave the model open. With `paper` the model is the default of the layer.
     pub fn new(spec: &FibreSpec, layer: Layer, paper: bool) -> Self {
-        let usual = match layer {
+        let default = match layer {
             Layer::Guard => FibreModel::Sadeghi,
             Layer::Undercoat => FibreModel::KajiyaKay,
         };
-        let model = if paper { usual } else { spec.model.unwrap_or(usual) };
+        let model = if paper { default } else { spec.model.unwrap_or(default) };
         let absorption = spec.absorption.map(Vec3::from);
         let sadeghi = || Sadeghi {
             intensity: spec.intensity,
@@ -161,23 +156,23 @@ impl Fibre {
         }
     }
 
-    /// That of the guard hairs of a scene.
+    /// The model of a scene's guard hairs.
     pub fn guard(scene: &Scene) -> Self {
         Self::new(&scene.guard.fibre, Layer::Guard, scene.render.shading == Shading::Paper)
     }
 
-    /// That of a scene's undercoat.
+    /// The model of a scene's undercoat.
     pub fn undercoat(scene: &Scene) -> Self {
         Self::new(&scene.undercoat.fibre, Layer::Undercoat, scene.render.shading == Shading::Paper)
     }
 
-    /// f(ω_i, ω_o), without the cosine, 1/sr.
+    /// f(ω_i, ω_o) without the cosine, 1/sr.
     pub fn evaluate(&self, hit: &Hit, wi: Vec3, wo: Vec3) -> Vec3 {
         let a = Angles::new(wi, wo);
         self.scatter(hit, &a) / a.i[1].max(1e-6)
     }
 
-    /// f cos θ_i: what the hair sends to the eye for an irradiance of 1 across the light.
+    /// f cos θ_i: radiance towards the viewer per unit irradiance perpendicular to the light.
     pub fn scatter(&self, hit: &Hit, a: &Angles) -> Vec3 {
         match self {
             Self::KajiyaKay(model) => model.color(hit) * model.scatter(a),
@@ -187,23 +182,23 @@ impl Fibre {
         }
     }
 
-    /// Whether the model depends on the offset across the fibre.
+    /// Whether the model depends on the offset h.
     pub fn is_near_field(&self) -> bool {
         matches!(self, Self::Chiang(_) | Self::Medulla(_))
     }
 
-    /// [`Fibre::evaluate`], the mean over the offset h: a fibre too thin to see across.
+    /// The mean of [`Fibre::evaluate`] over the offset h, for a fibre too thin to resolve.
     pub fn far_field(&self, hit: &Hit, wi: Vec3, wo: Vec3) -> Vec3 {
         let a = Angles::new(wi, wo);
         self.scatter_far(hit, &a) / a.i[1].max(1e-6)
     }
 
-    /// [`Fibre::scatter`], the mean over the offset h.
+    /// The mean of [`Fibre::scatter`] over the offset h.
     pub fn scatter_far(&self, hit: &Hit, a: &Angles) -> Vec3 {
         if !self.is_near_field() {
             return self.scatter(hit, a);
         }
-        // Light from the other side and an offset to the other side is the same.
+        // Mirroring the offset is equivalent to mirroring the azimuth of the light.
         offsets(FAR_STEPS)
             .filter(|(h, _)| *h > 0.0)
             .map(|(h, weight)| {
@@ -213,7 +208,7 @@ impl Fibre {
             .sum()
     }
 
-    /// Draws ω_i for ω_o with four random numbers in 0..1.
+    /// Samples ω_i for a given ω_o from four uniform numbers in 0..1; `None` where the density vanishes.
     pub fn sample(&self, hit: &Hit, wo: Vec3, u: [f32; 4]) -> Option<Sample> {
         let o = inclination(wo.x);
         let (sin, phi) = match self {

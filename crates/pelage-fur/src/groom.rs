@@ -1,4 +1,4 @@
-//! The groom as the passes read it: scene values in the units and structs of the shaders.
+//! The groom, as the passes read it: values of the scene in the units and structs of the shaders.
 
 use crate::fibre::Fibre;
 use crate::layout::{Groom, Light, LightParameters, MAX_LIGHTS, Noise, Parameter, UndercoatParameters};
@@ -12,53 +12,53 @@ use pelage_core::scene::{
 };
 use pelage_core::{Result, World};
 
-/// Words that the scattered light takes at a node of the light lattice, behind the optical depths: its mean radiance from above and from below.
+/// Words of the scattered light at a node of the optical-depth lattice, after the optical depths: mean radiance from above and from below.
 pub const SCATTERED_WORDS: u32 = 3;
 
-/// Texel size of the map buffer, bytes: four halves.
+/// Bytes of a texel of the map buffer: four halves.
 const TEXEL: u64 = 8;
 
-/// The groom, ready for upload.
+/// The groom, packed for upload.
 pub struct PackedGroom {
-    /// Parameters and guard hairs.
+    /// Parameters, and settings of the guard hairs.
     pub groom: Groom,
-    /// Texels of all maps, four halves each; behind them the tables of the hairs' scattering.
+    /// Texels of all maps, four halves each, followed by the scattering tables of both fibres.
     pub texels: Vec<[u32; 2]>,
-    /// First texels of the tables of guard hairs and undercoat.
+    /// First texels of the scattering tables of guard hairs and undercoat.
     pub table_bases: [u32; 2],
-    /// Undercoat.
+    /// Settings of the undercoat.
     pub undercoat: UndercoatParameters,
-    /// Scattering of guard hairs.
+    /// Scattering model of the guard hairs.
     pub guard_fibre: Fibre,
-    /// Scattering of the undercoat.
+    /// Scattering model of the undercoat.
     pub undercoat_fibre: Fibre,
-    /// The noise tables.
+    /// Tables of the simplex noise.
     pub noise: Noise,
-    /// All lights, padded to the uniform's length.
+    /// All lights, padded to [`MAX_LIGHTS`].
     pub lights: Vec<Light>,
-    /// How many there are, and the key lights.
+    /// Number of lights, and the key lights.
     pub light_parameters: LightParameters,
 }
 
-/// Whether shells are rendered that need the light in the groom's own fur.
+/// Whether shells and fins are rendered with the light of the groom's own fur.
 fn lit_shells(scene: &Scene) -> bool {
     scene.render.fur == FurLayers::Shells && scene.shells.lighting == ShellLighting::Scene
 }
 
-/// Whether the guard hairs are rendered, or at least their shadows.
+/// Whether the guard hairs, or at least their shadows, are rendered.
 pub fn has_guard(scene: &Scene) -> bool {
     (matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid) || lit_shells(scene))
         && scene.guard.density.max() > 0.0
 }
 
-/// Whether the undercoat is rendered, or at least its shadow.
+/// Whether the undercoat, or at least its shadow, is rendered.
 pub fn has_undercoat(scene: &Scene) -> bool {
     (matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid) || lit_shells(scene))
         && scene.undercoat.density.max() > 0.0
         && scene.undercoat.height.max() > 0.0
 }
 
-/// How light scattered by more than one hair is found; never [`MultipleModel::Auto`].
+/// The model of multiple scattering; never [`MultipleModel::Auto`].
 pub fn multiple_model(scene: &Scene) -> MultipleModel {
     match scene.render.shading {
         Shading::Paper => MultipleModel::None,
@@ -67,20 +67,20 @@ pub fn multiple_model(scene: &Scene) -> MultipleModel {
                 let physical =
                     |spec: &FibreSpec| matches!(spec.model, Some(FibreModel::Chiang | FibreModel::Medulla));
                 let guard = has_guard(scene) && physical(&scene.guard.fibre);
-                let coat = has_undercoat(scene) && physical(&scene.undercoat.fibre);
-                if guard || coat { MultipleModel::Transport } else { MultipleModel::Similarity }
+                let undercoat = has_undercoat(scene) && physical(&scene.undercoat.fibre);
+                if guard || undercoat { MultipleModel::Transport } else { MultipleModel::Similarity }
             }
             named => named,
         },
     }
 }
 
-/// Words of packed optical depths at a node of the light lattice: two lights a word, the slot behind the last light is the eye's.
+/// Words of packed optical depths at a lattice node: two per word, one for each light and one for the view direction in the slot after the last light.
 pub fn tau_pairs(lights: u32) -> u32 {
     (lights + 2) / 2
 }
 
-/// Words of a node of the lattice's optical depths: those of all lights, and where it is looked up the light scattered before.
+/// Words of a lattice node in the optical-depth buffer: the optical depths and, for the `transport` model, the scattered light.
 pub fn tau_stride(scene: &Scene, lights: u32) -> u32 {
     let scattered = multiple_model(scene) == MultipleModel::Transport;
     tau_pairs(lights) + if scattered { SCATTERED_WORDS } else { 0 }
@@ -96,11 +96,14 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         uv: world.skin.corner_uv.is_some(),
     };
     let guard = &scene.guard;
-    let coat = &scene.undercoat;
+    let undercoat = &scene.undercoat;
     let no_undercoat = !has_undercoat(scene);
-    // Without undercoat the shell still carries the light lattice of the guard hairs.
-    let shell_height =
-        if no_undercoat { Scalar::Constant(0.5 * guard.length.max().max(0.02)) } else { coat.height.clone() };
+    // Without an undercoat the shell still carries the optical-depth lattice of the guard hairs.
+    let shell_height = if no_undercoat {
+        Scalar::Constant(0.5 * guard.length.max().max(0.02))
+    } else {
+        undercoat.height.clone()
+    };
     let parameters = [
         maps.scalar(&guard.density),
         maps.scalar(&guard.length),
@@ -111,10 +114,10 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         maps.scalar(&guard.frizz),
         maps.color(&guard.color_root),
         maps.color(&guard.color_tip),
-        maps.scalar(&coat.density),
+        maps.scalar(&undercoat.density),
         maps.scalar(&shell_height),
-        maps.color(&coat.color_root),
-        maps.color(&coat.color_tip),
+        maps.color(&undercoat.color_root),
+        maps.color(&undercoat.color_tip),
         maps.color(&scene.base.color),
         maps.color(&scene.shells.color),
         maps.scalar(&scene.shells.length),
@@ -143,34 +146,38 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         paper: u32::from(paper),
         padding: 0,
     };
-    let extinction = if no_undercoat { 0.0 } else { coat.density.max() * coat.diameter[0] * 1e-4 };
+    let extinction = if no_undercoat { 0.0 } else { undercoat.density.max() * undercoat.diameter[0] * 1e-4 };
     let height = shell_height.max();
     let free_path = if extinction > 0.0 { 1.0 / extinction } else { height };
     let undercoat = UndercoatParameters {
-        layers: coat.layers,
-        noise_domain: u32::from(coat.noise_domain == NoiseDomain::Uv),
+        layers: undercoat.layers,
+        noise_domain: u32::from(undercoat.noise_domain == NoiseDomain::Uv),
         seed: scene.render.seed,
         extinction,
-        diameter_ratio: coat.diameter[1] / coat.diameter[0].max(1e-6),
-        noise_frequency: coat.noise_frequency,
-        noise_contrast: coat.noise_contrast,
-        height_variation: coat.height_variation,
-        height_frequency: coat.height_frequency,
-        uv_jitter: coat.uv_jitter,
-        tangent_jitter: coat.tangent_jitter,
-        jitter_exponent: coat.jitter_exponent,
-        step: (coat.step * free_path).min(height / 16.0),
+        diameter_ratio: undercoat.diameter[1] / undercoat.diameter[0].max(1e-6),
+        noise_frequency: undercoat.noise_frequency,
+        noise_contrast: undercoat.noise_contrast,
+        height_variation: undercoat.height_variation,
+        height_frequency: undercoat.height_frequency,
+        uv_jitter: undercoat.uv_jitter,
+        tangent_jitter: undercoat.tangent_jitter,
+        jitter_exponent: undercoat.jitter_exponent,
+        step: (undercoat.step * free_path).min(height / 16.0),
         light_step: (1.5 * free_path).clamp(height / 32.0, height / 8.0),
         height,
-        lean: (comb * coat.lean).into(),
-        forward_scattering: if multiple == MultipleModel::Similarity { coat.forward_scattering } else { 0.0 },
+        lean: (comb * undercoat.lean).into(),
+        forward_scattering: if multiple == MultipleModel::Similarity {
+            undercoat.forward_scattering
+        } else {
+            0.0
+        },
         isotropic: u32::from(paper),
         opacity_cut: 0.001,
         virtual_fragments: match scene.render.blend {
             Blend::Virtual => scene.render.virtual_fragments.max(1),
             Blend::Simplified | Blend::Exact => 0,
         },
-        density: coat.density.max().max(1e-6),
+        density: undercoat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
     };
     let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
@@ -194,7 +201,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     })
 }
 
-/// Lights, and the two brightest of the undercoat's as key lights.
+/// Packs the lights; the key lights are the two brightest of those that light the undercoat, by luminance.
+// [BT709]
 fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
     let mut lights: Vec<Light> = world
         .lights
@@ -229,7 +237,8 @@ fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
     (parameters, lights)
 }
 
-/// The tables of the `noise` crate's simplex noise for a seed.
+/// The tables of the `noise` crate's simplex noise for a seed, as `shaders/shared/noise.wgsl` reads them.
+// [Perlin2001], [Gustavson2005]
 pub fn noise_tables(seed: u32) -> Noise {
     let table = PermutationTable::new(seed);
     let mut permutation = [[0u32; 4]; 16];
@@ -241,7 +250,7 @@ pub fn noise_tables(seed: u32) -> Noise {
         .map(|[x, y]| [x, y, 0.0, 0.0]);
     let mut gradients3 = [[0.0f32; 4]; 32];
     for (i, g) in gradients3.iter_mut().enumerate() {
-        // Twelve edges of the cube, twice, then its eight corners.
+        // The twelve edges of the cube, twice, then its eight corners.
         let sign = |bit: usize| if i & bit == 0 { 1.0 } else { -1.0 };
         *g = if i >= 24 {
             let c = 1.0 / 3f32.sqrt();
@@ -259,7 +268,7 @@ pub fn noise_tables(seed: u32) -> Noise {
     Noise { permutation, gradients2, gradients3 }
 }
 
-/// Collects the texels of the maps that parameters name.
+/// Collects the texels of the maps that parameters refer to, each map once.
 struct MapPacker<'a> {
     maps: &'a MapSet,
     texels: Vec<[u32; 2]>,

@@ -1,4 +1,5 @@
-//! Twin of `shaders/guard_strands.wgsl`: guard hairs as cubic Bezier curves, tessellated.
+//! Twin of `shaders/guard_strands.wgsl`: guard hairs as tessellated cubic Bézier curves.
+// [Andersen2016] sec. 2
 
 use crate::layout::{Groom, Root};
 use crate::parameters::{Maps, Parameter, skin_point};
@@ -9,16 +10,16 @@ use crate::strands::vertex;
 use glam::{IVec3, Vec3};
 use std::f32::consts::TAU;
 
-/// A strand before tessellation. Vectors are relative to the root, cm.
+/// A strand before tessellation. Vectors are relative to the root, in cm, except `root` itself.
 #[derive(Debug, Clone, Copy)]
 pub struct Strand {
-    /// Root on the skin, world, cm.
+    /// Root on the skin, world space, cm.
     pub root: Vec3,
-    /// Normal of the skin.
+    /// Normal of the skin, unit.
     pub normal: Vec3,
     /// Length, cm.
     pub length: f32,
-    /// Inner control points and the tip.
+    /// The inner control points and the tip, cm.
     pub control: [Vec3; 3],
     pull: Vec3,
     side: Vec3,
@@ -29,7 +30,8 @@ pub struct Strand {
     seed: u32,
 }
 
-/// Vector from `p` to the nearest clump centre: one centre in each cell of a jittered grid.
+/// Vector from `p` (cm) to the nearest clump centre, cm; each cell of a jittered grid has one centre.
+// [Worley1996]
 fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
     let size = 1.0 / groom.clump_density.max(1e-6).sqrt();
     let cell = (p / size).floor().as_ivec3();
@@ -95,7 +97,7 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
 }
 
 impl Strand {
-    /// Point at `s` (0 root, 1 tip), world, cm.
+    /// Point at `s` (0 root, 1 tip), world space, cm.
     pub fn point(&self, groom: &Groom, s: f32) -> Vec3 {
         let frequencies = [groom.curl_frequency, groom.frizz_frequency];
         let [curl, frizz] = curl_and_frizz(self.seed, self.length, frequencies, s)
@@ -107,7 +109,7 @@ impl Strand {
             + self.frizz * s * frizz
     }
 
-    /// Packed vertices.
+    /// The tessellated strand, `groom.segments + 1` packed vertices (see [`vertex`]).
     pub fn vertices(&self, groom: &Groom) -> Vec<[f32; 4]> {
         (0..=groom.segments)
             .map(|k| {

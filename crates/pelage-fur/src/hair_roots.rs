@@ -1,4 +1,5 @@
-//! Twin of `shaders/hair_roots.wgsl`: hair roots after Van Gelder and Wilhelms 1997 with a density map.
+//! Twin of `shaders/hair_roots.wgsl`: hair roots, distributed by area and thinned by a density map.
+// [VanGelderWilhelms1997]
 
 use crate::layout::Root;
 use crate::parameters::{Maps, Parameter, skin_point};
@@ -6,46 +7,47 @@ use crate::random::{even_barycentric, hash2, r2, random};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3};
 
-/// What draws the roots of a skin.
+/// Generates the roots of a skin.
 #[derive(Clone, Copy)]
 pub struct Roots<'a> {
-    /// The skin.
+    /// The prism shell over the skin.
     pub shell: &'a Shell,
-    /// The groom.
+    /// Groom and maps.
     pub maps: Maps<'a>,
-    /// Largest density, 1/cm2.
+    /// Largest density, hairs/cm².
     pub density: f32,
     /// Seed of the rendering.
     pub seed: u32,
 }
 
 impl Roots<'_> {
-    /// Expected number of candidates of a triangle: area times density.
+    /// Expected number of candidates on a triangle: its area times the largest density.
     pub fn expected(&self, prism: u32) -> f32 {
         let place = self.shell.enter(prism);
         0.5 * place.e1.cross(place.e2).length() * self.density
     }
 
-    /// Candidates of a triangle before thinning: `expected` on average.
+    /// Number of candidates on a triangle before thinning, [`Roots::expected`] on average.
     pub fn candidates(&self, prism: u32) -> u32 {
         (self.expected(prism) + random(hash2(self.seed, prism), 0)) as u32
     }
 
-    /// Barycentric coordinates of the k-th candidate.
+    /// Barycentric coordinates of the k-th candidate, evenly distributed over the triangle.
+    // [Roberts2018], [Turk1990]
     pub fn candidate(&self, prism: u32, k: u32) -> Vec3 {
         let seed = hash2(self.seed, prism);
         let start = Vec2::new(random(seed, 1), random(seed, 2));
         even_barycentric(r2(start, k))
     }
 
-    /// Whether the density map lets the k-th candidate grow.
+    /// Whether the k-th candidate survives thinning by the density map.
     pub fn grows(&self, prism: u32, k: u32) -> bool {
         let at = skin_point(self.shell, prism, self.candidate(prism, k));
         let wanted = self.maps.scalar(Parameter::GuardDensity, &at);
         random(hash2(self.seed, prism), 3 + k) * self.density < wanted
     }
 
-    /// Roots of a triangle.
+    /// The roots on a triangle.
     pub fn of(&self, prism: u32) -> Vec<Root> {
         (0..self.candidates(prism))
             .filter(|k| self.grows(prism, *k))

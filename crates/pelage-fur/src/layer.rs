@@ -1,6 +1,6 @@
 //! The two layers of a coat.
 
-/// Which layer of the coat a hair belongs to.
+/// The layer of the coat that a hair belongs to.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Layer {
     /// Guard hairs.

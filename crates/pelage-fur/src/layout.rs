@@ -1,17 +1,17 @@
-//! Every struct that Rust and WGSL share, declared once; a test compares them with naga's reflection.
+//! All structs that Rust and WGSL share, declared once; a test compares them with naga's reflection.
 //!
-//! Names and order of fields are those of the WGSL structs of the same name.
+//! Fields have the names and the order of those in the WGSL struct of the same name.
 
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = 64;
 
-/// Words of a node of the fragment lists, `shared/oit.wgsl`: link, depth, kind and id, colour.
+/// Words of a node of the fragment lists (`shared/oit.wgsl`): link, depth, kind and id, colour.
 pub const NODE_WORDS: u32 = 5;
-/// Words of a record of the skin under a sample, `shared/base.wgsl`: depth, radiance, normal.
+/// Words of a record of the skin under a sample (`shared/base.wgsl`): depth, radiance, normal.
 pub const BASE_WORDS: u32 = 4;
-/// Words of a sample of the film, `shared/film_sample.wgsl`.
+/// Words of a sample of the film (`shared/film_sample.wgsl`).
 pub const SAMPLE_WORDS: u32 = 8;
 
 macro_rules! shared {
@@ -24,12 +24,12 @@ macro_rules! shared {
             pub struct $name { $(pub $field: $ty),* }
 
             impl $name {
-                /// Field names with their offsets, to compare with WGSL.
+                /// Field names and byte offsets, to compare with WGSL.
                 pub const FIELDS: &'static [(&'static str, usize)] =
                     &[$((stringify!($field), std::mem::offset_of!($name, $field))),*];
             }
         )*
-        /// All shared structs: name, size, fields.
+        /// All shared structs: name, size in bytes, fields.
         pub const STRUCTS: &[(&str, usize, &[(&str, usize)])] =
             &[$((stringify!($name), std::mem::size_of::<$name>(), $name::FIELDS)),*];
     };
@@ -70,7 +70,7 @@ shared! {
         edges: [u32; 3],
         padding: u32,
     }
-    /// `shared/undercoat_types.wgsl`: follows from the scene.
+    /// `shared/undercoat_types.wgsl`: derived from the scene.
     struct UndercoatParameters {
         layers: u32,
         noise_domain: u32,
@@ -95,7 +95,7 @@ shared! {
         density: f32,
         attenuation: f32,
     }
-    /// `shared/undercoat_types.wgsl`: follows from the skin and the memory.
+    /// `shared/undercoat_types.wgsl`: derived from the skin and the memory budget.
     struct LatticeParameters {
         cells: u32,
         levels: u32,
@@ -106,7 +106,7 @@ shared! {
         tau_stride: u32,
         padding: u32,
     }
-    /// `shared/undercoat_types.wgsl`: follows from the lights.
+    /// `shared/undercoat_types.wgsl`: derived from the lights.
     struct LightParameters {
         count: u32,
         keys: u32,
@@ -287,14 +287,14 @@ shared! {
     struct StrandBatch {
         strands: u32,
     }
-    /// `hair_roots.wgsl`: a range of triangles, the largest density (1/cm²) and the seed of the rendering.
+    /// `hair_roots.wgsl`: a range of triangles, the largest density (hairs/cm²) and the seed of the rendering.
     struct RootRange {
         first: u32,
         count: u32,
         density: f32,
         seed: u32,
     }
-    /// `guard_bins.wgsl`: a grid of tiles, samples.
+    /// `guard_bins.wgsl`: a grid of tiles, in samples.
     struct TileGrid {
         origin: [i32; 2],
         size: [u32; 2],

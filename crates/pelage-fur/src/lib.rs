@@ -1,4 +1,4 @@
-//! The fur itself on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering, each stated once.
+//! The fur on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering. Each formula stands here once.
 
 pub mod camera;
 pub mod fibre;

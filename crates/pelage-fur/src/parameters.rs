@@ -6,7 +6,7 @@ use glam::{Vec2, Vec3, Vec4};
 use half::f16;
 use pelage_core::maps::{TRIPLANAR_CM, bilinear, triplanar};
 
-/// Numbers of the parameters in [`Groom::parameters`].
+/// Indices of the parameters in [`Groom::parameters`].
 #[allow(missing_docs)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
@@ -28,25 +28,25 @@ pub enum Parameter {
     ShellLength,
 }
 
-/// A point of the skin where parameters are read.
+/// A point of the skin at which parameters are evaluated.
 #[derive(Debug, Clone, Copy)]
 pub struct SkinPoint {
-    /// cm.
+    /// World space, cm.
     pub position: Vec3,
     /// Unit.
     pub normal: Vec3,
-    /// Of the skin's parametrisation.
+    /// uv of the skin.
     pub uv: Vec2,
-    /// Vertex colour.
+    /// Interpolated vertex colour.
     pub color: Vec3,
 }
 
-/// Colour packed in eight bits a channel.
+/// Unpacks a colour of eight bits per channel to 0..1.
 pub fn unpack_color(word: u32) -> Vec3 {
     Vec3::new((word & 255) as f32, ((word >> 8) & 255) as f32, ((word >> 16) & 255) as f32) / 255.0
 }
 
-/// The skin under a prism at barycentric coordinates.
+/// The point of the skin at barycentric coordinates `lambda` of a prism's triangle.
 pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
     let corners = shell.prisms[prism as usize].vertices.map(|v| shell.vertices[v as usize]);
     let [a, b, c] = corners;
@@ -60,12 +60,12 @@ pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
     }
 }
 
-/// The groom and its maps.
+/// The groom with its maps.
 #[derive(Clone, Copy)]
 pub struct Maps<'a> {
-    /// Parameters.
+    /// The packed groom.
     pub groom: &'a Groom,
-    /// Four halves a texel.
+    /// Texels of all maps, four halves each.
     pub texels: &'a [[u32; 2]],
 }
 
@@ -85,7 +85,8 @@ impl Maps<'_> {
         bilinear(size, uv, |x, y| self.texel(parameter, x, y))
     }
 
-    /// Three planar lookups, one repeat in 10 cm, weighted by the normal.
+    /// Three planar lookups with a period of 10 cm, weighted by the normal.
+    // [Geiss2007]
     fn triplanar(&self, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
         triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(parameter, uv))
     }
@@ -99,13 +100,13 @@ impl Maps<'_> {
         }
     }
 
-    /// A scalar parameter.
+    /// Evaluates a scalar parameter.
     pub fn scalar(&self, parameter: Parameter, at: &SkinPoint) -> f32 {
         let p = &self.groom.parameters[parameter as usize];
         p.value[0] * self.lookup(parameter, at)[p.channel as usize] + p.offset
     }
 
-    /// A colour parameter.
+    /// Evaluates a colour parameter, linear RGB.
     pub fn color(&self, parameter: Parameter, at: &SkinPoint) -> Vec3 {
         let p = &self.groom.parameters[parameter as usize];
         Vec4::from(p.value).truncate() * self.lookup(parameter, at).truncate()

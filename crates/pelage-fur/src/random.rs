@@ -2,7 +2,8 @@
 
 use glam::{Vec2, Vec3};
 
-/// The "lowbias32" integer hash.
+/// The integer hash "lowbias32".
+// [Wellons2018]
 #[inline]
 pub fn hash(value: u32) -> u32 {
     let mut x = value;
@@ -17,20 +18,19 @@ pub fn hash2(a: u32, b: u32) -> u32 {
     hash(a ^ hash(b.wrapping_add(0x9e37_79b9)))
 }
 
-/// Uniform in 0..1 (1 excluded) with 24 bits.
+/// Uniform in [0, 1) with 24 bits.
 #[inline]
 pub fn unit_float(h: u32) -> f32 {
     (h >> 8) as f32 * (1.0 / 16_777_216.0)
 }
 
-/// The `k`-th uniform number of a seed.
+/// The `k`-th uniform number of a seed, in [0, 1).
 #[inline]
 pub fn random(seed: u32, k: u32) -> f32 {
     unit_float(hash2(seed, k))
 }
 
-/// Steps of the R2 sequence: points k times these, their integer parts dropped, are even in the unit square however many there
-/// are.
+/// Steps of the R2 sequence: the fractional parts of their multiples are evenly distributed over the unit square, whatever their number.
 // [Roberts2018]
 pub const R2_STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
@@ -41,14 +41,14 @@ pub fn r2(start: Vec2, k: u32) -> Vec2 {
     point - point.floor()
 }
 
-/// Barycentric coordinates of a triangle's point, even over its area for points `u` even in the unit square.
+/// Maps a point of the unit square to barycentric coordinates of a triangle, preserving even distributions.
 // [Turk1990]
 pub fn even_barycentric(u: Vec2) -> Vec3 {
     let r = u.x.sqrt();
     Vec3::new(1.0 - r, r * (1.0 - u.y), r * u.y)
 }
 
-/// Uniform on the unit sphere; takes the numbers `k` and `k + 1` of the seed.
+/// A direction uniform on the unit sphere, from the numbers `k` and `k + 1` of the seed.
 #[inline]
 pub fn random_direction(seed: u32, k: u32) -> Vec3 {
     let z = 1.0 - 2.0 * random(seed, k);

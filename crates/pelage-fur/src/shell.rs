@@ -1,35 +1,35 @@
-//! Twin of `shaders/shared/shell.wgsl`: places in the prism shell, subelement indices, neighbour hops.
+//! Twin of `shaders/shared/shell.wgsl`: places in the prism shell, subelement indices, hops to neighbours.
 
 use crate::layout::{Prism, ShellVertex};
 use glam::{IVec3, Vec3};
 use pelage_core::skin::NONE;
 
-/// Hops after which a point counts as lost.
+/// Number of hops after which a point counts as lost.
 pub const HOP_LIMIT: u32 = 16;
 
-/// The prism shell as the passes read it.
+/// The prism shell, as the passes read it.
 #[derive(Debug, Clone, Default)]
 pub struct Shell {
-    /// Skin vertices with their heights.
+    /// Skin vertices with directions and heights of extrusion.
     pub vertices: Vec<ShellVertex>,
-    /// Prisms, one a triangle of the skin.
+    /// Prisms, one for each triangle of the skin, in the same order.
     pub prisms: Vec<Prism>,
-    /// uv of each triangle's three corners.
+    /// uv of the three corners of each triangle, [3 · triangle + corner].
     pub corner_uv: Vec<[f32; 2]>,
-    /// Top of the light lattice in shell heights; 1 where there is none.
+    /// Top of the optical-depth lattice in shell heights; 1 if there is no lattice.
     pub light_reach: f32,
 }
 
-/// A point's place in the shell and the geometry of the prism that it is in.
+/// The coordinates of a point in the shell, and the geometry of the prism that contains it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Place {
-    /// Number of the prism, which is that of its triangle.
+    /// Index of the prism, which is that of its triangle.
     pub prism: u32,
-    /// Height: 0 skin, 1 top.
+    /// Height in the shell: 0 at the skin, 1 at the top.
     pub t: f32,
-    /// Barycentric in the triangle at height t.
+    /// Barycentric coordinates in the triangle at height t.
     pub lambda: Vec3,
-    /// Change of t along the ray of the last `solve`, 1/unit of the ray.
+    /// Derivative of t along the ray of the last [`Shell::solve`], per unit of the ray.
     pub dt_dz: f32,
     /// Corner 0 of the skin triangle, cm.
     pub p0: Vec3,
@@ -39,35 +39,35 @@ pub struct Place {
     pub e2: Vec3,
     /// Extrusion at corner 0, cm.
     pub v0: Vec3,
-    /// Extrusion at corner 1 less that at corner 0, cm.
+    /// Extrusion at corner 1 minus that at corner 0, cm.
     pub w1: Vec3,
-    /// Extrusion at corner 2 less that at corner 0, cm.
+    /// Extrusion at corner 2 minus that at corner 0, cm.
     pub w2: Vec3,
-    /// The triangle's vertices.
+    /// Indices of the triangle's vertices.
     pub vertices: [u32; 3],
-    /// Neighbours over the edges opposite the corners.
+    /// Prisms across the edges opposite the corners, or `NONE`.
     pub neighbours: [u32; 3],
-    /// Numbers of the edges opposite the corners, the same from both sides.
+    /// Indices of the edges opposite the corners, the same from both sides.
     pub edges: [u32; 3],
-    /// First subelement.
+    /// Index of the prism's first subelement in the volume.
     pub cell_base: u32,
-    /// Level d.
+    /// Level d of subdivision: the triangle has 4^d cells.
     pub subdivision: u32,
 }
 
-/// What [`Shell::locate`] found.
+/// Result of [`Shell::locate`].
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Located {
-    /// The point's prism.
+    /// The place is in the prism that contains the point.
     Inside,
-    /// The point lies over a boundary edge of the skin.
+    /// The point lies beyond a boundary edge of the skin.
     LeftBorder,
-    /// Too many hops.
+    /// Not found within [`HOP_LIMIT`] hops.
     Lost,
 }
 
 impl Shell {
-    /// The place at the skin of corner 0 of a prism.
+    /// The place at corner 0 of a prism, on the skin.
     #[inline]
     pub fn enter(&self, index: u32) -> Place {
         let prism = self.prisms[index as usize];
@@ -93,13 +93,12 @@ impl Shell {
         }
     }
 
-    /// Moves `place` into another prism; t, lambda and dt_dz stay.
+    /// Moves `place` into another prism, keeping t, lambda and dt_dz.
     pub fn hop(&self, place: &mut Place, index: u32) {
         *place = Place { t: place.t, lambda: place.lambda, dt_dz: place.dt_dz, ..self.enter(index) };
     }
 
-    /// Solves for t and lambda of point `x` (cm) in the place's prism, Newton from the place's t; `ray` is the
-    /// direction for `dt_dz`.
+    /// Solves for t and lambda of point `x` (cm) in the place's prism by Newton's method, starting from the place's t; `ray` is the direction for `dt_dz`.
     #[inline]
     pub fn solve(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) {
         let highest = 1.5 * self.light_reach;
@@ -122,14 +121,14 @@ impl Shell {
         place.dt_dz = -ray.dot(n) / not_zero(slope);
     }
 
-    /// Finds `x`, hopping over the most negative barycentric coordinate.
-    /// DEVIATION: Andersen et al. 2016, sec. 3.2 names the closest edge.
+    /// Locates point `x` (cm): solves in the place's prism and hops across the edge with the most negative barycentric coordinate until `x` is inside.
+    // DEVIATION: [Andersen2016] sec. 3.2 hops across the closest edge.
     #[inline]
     pub fn locate(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) -> Located {
         self.locate_by(place, x, ray, iterations, |place, _| most_negative(place.lambda))
     }
 
-    /// Like [`Shell::locate`], with the rule that chooses the corner opposite the edge that is crossed.
+    /// [`Shell::locate`] with another rule for choosing the corner opposite the edge to cross.
     pub fn locate_by(
         &self,
         place: &mut Place,
@@ -146,7 +145,7 @@ impl Shell {
             }
             let next = place.neighbours[edge(place, x)];
             if next == NONE {
-                // A point on the border wall may lie outside by rounding.
+                // By rounding, a point on the border wall may lie slightly outside.
                 return if least >= -2e-3 { Located::Inside } else { Located::LeftBorder };
             }
             self.hop(place, next);
@@ -155,7 +154,7 @@ impl Shell {
     }
 }
 
-/// The corner opposite the edge behind which a point lies farthest; the lowest of equals.
+/// The corner with the smallest barycentric coordinate, the lowest index among equals: it is opposite the edge to cross.
 pub fn most_negative(lambda: Vec3) -> usize {
     let least = lambda.min_element();
     if lambda.x == least {
@@ -168,21 +167,20 @@ pub fn most_negative(lambda: Vec3) -> usize {
 }
 
 impl Place {
-    /// The forward map x(t, lambda) = sum lambda_k (p_k + t v_k), cm.
+    /// The forward map x(t, λ) = Σ λ_k (p_k + t v_k), cm.
     #[inline]
     pub fn point(&self, t: f32, lambda: Vec3) -> Vec3 {
         let skin = self.p0 + lambda.y * self.e1 + lambda.z * self.e2;
         skin + t * self.extrusion(lambda)
     }
 
-    /// From the skin to the shell's top, cm.
+    /// Vector from the skin to the shell's top at barycentric coordinates `lambda`, cm.
     #[inline]
     pub fn extrusion(&self, lambda: Vec3) -> Vec3 {
         self.v0 + lambda.y * self.w1 + lambda.z * self.w2
     }
 
-    /// How densely hairs of direction `tangent` stand at height `t`, relative to the skin: they spread over a layer of another area,
-    /// and the area across them is smaller than that of the layer where they lean.
+    /// Density at height `t` of hairs with unit direction `tangent`, relative to that at the skin: the area of the layer differs from the skin's, and hairs that lean pass through a smaller projected area.
     #[inline]
     pub fn crowding(&self, t: f32, tangent: Vec3) -> f32 {
         let skin = self.e1.cross(self.e2).length();
@@ -190,18 +188,18 @@ impl Place {
         skin / layer.dot(tangent).max(0.3 * layer.length().max(0.1 * skin))
     }
 
-    /// The point relative to corner 0 and the two edges of the triangle at height t.
+    /// The point relative to corner 0, and the two edges from there, of the triangle at height t.
     fn frame_at(&self, x: Vec3, t: f32) -> (Vec3, Vec3, Vec3) {
         (x - self.p0 - t * self.v0, self.e1 + t * self.w1, self.e2 + t * self.w2)
     }
 
-    /// Index of a subelement in the volume data.
+    /// Index of subelement `id` of `layer` in the volume.
     pub fn volume_index(&self, layer: u32, id: u32) -> u32 {
         self.cell_base + (layer << (2 * self.subdivision)) + id // [Andersen2016] eq. 3
     }
 }
 
-/// Cell of a triangle subdivided `d` times, 0..4^d.
+/// Index of the cell that contains `lambda` in a triangle subdivided `d` times, 0..4^d.
 pub fn subelement(lambda: Vec3, d: u32) -> u32 {
     let n = 1i32 << d;
     let i = ((Vec3::ONE - lambda) * n as f32).floor().as_ivec3(); // [Andersen2016] eq. 1
@@ -210,7 +208,7 @@ pub fn subelement(lambda: Vec3, d: u32) -> u32 {
     (i.x * (1 + i.x) + offset) as u32 // [Andersen2016] eq. 2
 }
 
-/// Barycentric centroid of a subelement: the inverse of [`subelement`].
+/// Barycentric coordinates of a subelement's centroid; [`subelement`] maps them back to `id`.
 pub fn subelement_centroid(id: u32, d: u32) -> Vec3 {
     let n = 1i32 << d;
     let row = id.isqrt() as i32;

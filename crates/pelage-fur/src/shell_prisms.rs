@@ -1,4 +1,4 @@
-//! Twin of `shaders/shell_prisms.wgsl`: how high the shell stands over each vertex of the skin, and the shell as a whole.
+//! Twin of `shaders/shell_prisms.wgsl`: heights of the shell above the vertices of the skin, and the complete shell.
 
 use crate::groom::{self, PackedGroom};
 use crate::layout::{Prism, ShellVertex};
@@ -9,10 +9,10 @@ use glam::{Vec2, Vec3};
 use pelage_core::mesh::topology;
 use pelage_core::{Skin, World};
 
-/// Rounds over which a lowered vertex lowers its surroundings, by one edge each.
+/// Rounds of the slope limit; each lets a lowered vertex lower those one edge further away.
 pub const SPREAD_ROUNDS: usize = 24;
 
-/// Height that the groom wants over a vertex, cm. `color` has eight bits a channel, as the GPU keeps it.
+/// Height that the groom asks for over vertex `v`, cm. Vertex colours are rounded to eight bits per channel, as on the GPU.
 fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]], v: usize) -> f32 {
     let color = skin.colors.get(v).copied().unwrap_or(Vec3::ONE);
     let at = SkinPoint {
@@ -24,24 +24,23 @@ fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)
 }
 
-/// Tries to find a height at which a prism has not turned over; the last one is taken as it is.
+/// Trial heights for a prism that would turn over; the last one is accepted unchecked.
 const FOLD_STEPS: u32 = 16;
 
-/// The shell's top climbs no steeper than this over the skin.
+/// Largest slope of the shell's top relative to the skin.
 const STEEPEST: f32 = 0.8;
 
-/// Heights of the shell over the vertices, cm, extruded along `normals`: as wanted, but lower where a prism would keep less than a fifth
-/// of its area at the top, and around such places; a prism alone lowers its vertices to a twentieth at most.
+/// Heights of the shell over the vertices, cm, extruded along `normals`. They are the wanted heights, lowered where a prism's top would keep less than a fifth of its triangle's area, and around such places so that the top is nowhere too steep. A prism alone lowers its vertices to no less than a twentieth.
 pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     lowered(skin, normals, &wanted_heights(skin, normals, maps, vertex_uv))
 }
 
-/// Heights that the groom wants over the vertices, cm.
+/// Heights that the groom asks for over the vertices, cm.
 pub fn wanted_heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     (0..skin.positions.len()).map(|v| wanted_height(skin, normals, maps, vertex_uv, v)).collect()
 }
 
-/// [`heights`] of what is `wanted`.
+/// [`heights`] for given `wanted` heights, cm.
 pub fn lowered(skin: &Skin, normals: &[Vec3], wanted: &[f32]) -> Vec<f32> {
     let mut heights = wanted.to_vec();
     for triangle in &skin.triangles {
@@ -69,7 +68,7 @@ pub fn lowered(skin: &Skin, normals: &[Vec3], wanted: &[f32]) -> Vec<f32> {
     heights
 }
 
-/// Signed area of a triangle extruded by `part` of the heights, as a part of its own; negative where it turned over.
+/// Signed area of a triangle extruded by `part` of the heights, relative to its own area; negative if it has turned over.
 pub fn part_of_area(skin: &Skin, normals: &[Vec3], triangle: &[u32; 3], heights: &[f32], part: f32) -> f32 {
     let p = triangle.map(|v| skin.positions[v as usize]);
     let q = triangle.map(|v| skin.positions[v as usize] + part * heights[v as usize] * normals[v as usize]);
@@ -77,7 +76,7 @@ pub fn part_of_area(skin: &Skin, normals: &[Vec3], triangle: &[u32; 3], heights:
     (q[1] - q[0]).cross(q[2] - q[0]).dot(n) / n.dot(n)
 }
 
-/// The shell of `world`, its groom packed as `packed`. The light lattice is not part of it: `light_reach` is 1.
+/// The shell of `world` with its packed groom. It has no optical-depth lattice: `light_reach` is 1.
 pub fn shell_of(world: &World, packed: &PackedGroom) -> Shell {
     let skin = &world.skin;
     let mut vertices: Vec<ShellVertex> = skin_vertices(skin, packed.undercoat.height);

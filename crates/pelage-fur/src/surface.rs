@@ -1,10 +1,10 @@
-//! The skin as the passes read it.
+//! The skin, as the passes read it.
 
 use crate::layout::ShellVertex;
 use glam::Vec3;
 use pelage_core::{Skin, World};
 
-/// uv of each corner of each triangle; zero where the skin has none.
+/// uv of the corners of all triangles, [3 · triangle + corner]; zero if the skin has no uv.
 pub fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
     match &skin.corner_uv {
         Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),
@@ -12,7 +12,7 @@ pub fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
     }
 }
 
-/// uv of any corner at each vertex.
+/// uv of each vertex: that of one of its corners; zero if the skin has no uv.
 pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     let mut of_vertex = vec![[0.0; 2]; skin.positions.len()];
     if let Some(uv) = &skin.corner_uv {
@@ -25,7 +25,7 @@ pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     of_vertex
 }
 
-/// The skin's vertices with the directions in which a shell `height` cm high is extruded; no heights yet.
+/// The skin's vertices, with directions of extrusion for a shell `height` cm high; the heights are left at 0.
 pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
     let normals = shell_normals(skin, height);
     (0..skin.positions.len())
@@ -42,39 +42,39 @@ pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
         .collect()
 }
 
-/// Level d and first subelement of each prism, and the number of subelements.
+/// Level of subdivision and first subelement of each prism, and the total number of subelements.
 ///
-/// Where the scene names no level, the longest edge is cut into parts of the wanted size; this does not depend on the camera, so that
-/// nothing pops. Andersen et al. 2016, sec. 3 calls this dynamic resolution and does not state its criterion.
+/// Without a level in the scene, the longest edge is divided into parts of `underundercoat.cell`. This does not depend on the camera, so that nothing pops.
+// [Andersen2016] sec. 3 calls this dynamic resolution, without a criterion.
 pub fn subdivide(skin: &Skin, world: &World, has_undercoat_layer: bool) -> (Vec<[u32; 2]>, u64) {
-    let coat = &world.scene.undercoat;
-    let layers = u64::from(coat.layers);
+    let undercoat = &world.scene.undercoat;
+    let layers = u64::from(undercoat.layers);
     let mut base = 0u64;
     let of_triangle = (0..skin.triangles.len())
         .map(|t| {
             let [a, b, c] = skin.corners(t);
             let longest = (b - a).length().max((c - b).length()).max((a - c).length());
-            let wanted = (longest / coat.cell.max(1e-4)).max(1.0).log2().ceil() as u32;
-            let d = coat.subdivision.unwrap_or(wanted.min(6));
+            let wanted = (longest / undercoat.cell.max(1e-4)).max(1.0).log2().ceil() as u32;
+            let d = undercoat.subdivision.unwrap_or(wanted.min(6));
             let first = base;
             if has_undercoat_layer {
                 base += layers << (2 * d);
             }
-            // Past 32 bits the volume is evaluated, and the number is only a label.
+            // Beyond 32 bits the volume is evaluated, and the index is only a label.
             [d, first as u32]
         })
         .collect();
     (of_triangle, base)
 }
 
-/// Directions in which a shell `height` cm high stands over the vertices, unit.
+/// Directions in which a shell `height` cm high is extruded at the vertices, unit.
 pub fn shell_normals(skin: &Skin, height: f32) -> Vec<Vec3> {
     extrusion_normals(skin, 0.7 * height)
 }
 
-/// Normals for extrusion: the skin's, averaged over about `radius` cm, so that what is finer than the fur is high does not turn prisms over.
+/// The skin's normals, averaged over about `radius` cm, so that detail finer than the height of the fur does not turn prisms over.
 ///
-/// Repeated averaging over the neighbours spreads as the square root of the number of rounds.
+/// Repeated averaging over neighbours spreads with the square root of the number of rounds.
 fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
     let mean_area = (skin.area() / skin.triangles.len().max(1) as f64) as f32;
     let edge = (mean_area * 2.309).sqrt().max(1e-6);
@@ -88,7 +88,7 @@ fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
                 sums[*v as usize] += sum;
             }
         }
-        // Over a thin ear the two sides would cancel: no normal strays far from its own surface.
+        // On a thin ear the two sides would cancel: no normal may stray far from that of its own surface.
         normals = (0..normals.len())
             .map(|i| match sums[i].try_normalize() {
                 Some(n) if n.dot(skin.normals[i]) > 0.6 => n,
@@ -99,7 +99,7 @@ fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
     normals
 }
 
-/// Numbers of the edges opposite each corner, the same from both sides, and how many there are.
+/// Indices of the edges opposite each corner, the same from both sides, and the number of edges.
 pub fn number_edges(skin: &Skin) -> (Vec<[u32; 3]>, u32) {
     let mut known = std::collections::HashMap::with_capacity(2 * skin.triangles.len());
     let numbers = skin

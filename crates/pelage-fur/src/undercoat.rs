@@ -1,4 +1,4 @@
-//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: the undercoat's medium.
+//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: density, tangents and scattering of the undercoat.
 
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
@@ -12,16 +12,16 @@ use glam::{Vec2, Vec3};
 /// Density and tangent of a subelement.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium {
-    /// Relative to the skin's mean, 0..4.
+    /// Density relative to its mean over the skin, 0 to [`DENSITY_RANGE`].
     pub density: f32,
-    /// Unit.
+    /// Direction of the hairs, unit, world space.
     pub tangent: Vec3,
 }
 
-/// Largest density that is stored.
+/// Largest relative density that can be stored.
 pub const DENSITY_RANGE: f32 = 4.0;
 
-/// 12 bits of density, 10 bits a coordinate of the octahedral tangent.
+/// Packs a medium into 32 bits: 12 bits of density, 10 bits for each coordinate of the octahedral tangent.
 pub fn pack_medium(m: Medium) -> u32 {
     let oct = (octahedral::encode(m.tangent) * 0.5 + 0.5) * 1023.0;
     let density = ((m.density / DENSITY_RANGE).clamp(0.0, 1.0) * 4095.0).round_ties_even() as u32;
@@ -43,96 +43,94 @@ pub fn sine(a: Vec3, b: Vec3) -> f32 {
     (1.0 - c * c).max(0.0).sqrt()
 }
 
-/// Extinction in 1/cm towards unit direction `w`: fibres of n_perp per area show n_perp d sin(T, w).
+/// Extinction along the unit direction `w`, 1/cm: hairs of diameter d, n per area perpendicular to them, have a projected area of n d sin(tangent, w) per volume. With `isotropic` (the paper's shading) the sine is replaced by π/4, its mean over all directions.
 pub fn extinction(fur: &UndercoatParameters, m: Medium, w: Vec3) -> f32 {
     let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
     fur.extinction * m.density * shown
 }
 
-/// Mean of a coat's colours at root and tip: light that comes out has been deep in it and high in it. Models of fibres that absorb
-/// have the root of the mean of the squared logarithms, which is the mean absorption.
-pub fn mean_color(coat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
-    if !matches!(coat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
+/// Mean colour of the undercoat for its colours at root (`a`) and tip (`b`), linear RGB: light that leaves the undercoat has passed both. For the absorbing models, whose absorption is proportional to the squared logarithm of the colour, it is the colour of the mean absorption.
+pub fn mean_color(undercoat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
+    if !matches!(undercoat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
         return 0.5 * (a + b);
     }
     let log = |c: Vec3| c.max(Vec3::splat(1e-3)).map(f32::ln);
     (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
 }
 
-/// Scattering of light from `l` to `v` (both leave the point) by a hair of colour `tint`; times the irradiance. Kajiya-Kay's is
-/// without the colour, see [`color`].
-pub fn scatter(coat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
+/// Radiance towards `v` for unit irradiance from `l` (unit vectors that leave the hair) of a hair with unit tangent `tangent` and colour `tint`: f cos θ_i of the far field. For Kajiya–Kay the colour is left out; multiply by [`color`].
+pub fn scatter(undercoat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
     let angles = Angles::around(tangent, l, v);
-    match coat {
+    match undercoat {
         Fibre::KajiyaKay(model) => Vec3::splat(model.scatter(&angles)),
-        _ => coat.scatter_far(&Hit { tint, glint_angle: MEAN_GLINT, h: 0.0 }, &angles),
+        _ => undercoat.scatter_far(&Hit { tint, glint_angle: MEAN_GLINT, h: 0.0 }, &angles),
     }
 }
 
-/// Factor on what [`scatter`] gives.
-pub fn color(coat: &Fibre, tint: Vec3) -> Vec3 {
-    if matches!(coat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
+/// Factor on the result of [`scatter`]: the colour for Kajiya–Kay, 1 for the other models.
+pub fn color(undercoat: &Fibre, tint: Vec3) -> Vec3 {
+    if matches!(undercoat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
 }
 
-/// Hermite interpolation between two edges, as in WGSL.
+/// `smoothstep` of WGSL.
 fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
     t * t * (3.0 - 2.0 * t)
 }
 
-/// Scale and shift of the noise of locks, which is finer than that of clumps, and shift of the noise of swells.
+/// Scale of the domain of the locks' noise relative to that of the clumps: locks are finer.
 pub const LOCKS_SCALE: f32 = 2.6;
-/// See [`LOCKS_SCALE`].
+/// Offset of the domain of the locks' noise, which decorrelates it from the clumps'.
 pub const LOCKS_SHIFT: f32 = 5.1;
-/// See [`LOCKS_SCALE`].
+/// Offset of the domain of the swells' noise.
 pub const SWELLS_SHIFT: f32 = 17.3;
 
-/// By how much less the noise of clumps and locks changes along the lean: locks of combed fur are longer than wide.
+/// The domain of clumps and locks is scaled by 1 minus this along the lean: locks of combed fur are longer than wide.
 pub const LEAN_STRETCH: f32 = 0.65;
 
-/// Density of clumps at height `t`, by the noises of clumps and locks; it may be negative.
+/// Relative density at height `t` (0 skin, 1 top) for the noise values `clumps` and `locks`; it may be negative.
 pub fn clump_factor(contrast: f32, t: f32, clumps: f32, locks: f32) -> f32 {
     1.0 + contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks)
 }
 
-/// Height at which the hairs of a place have all but ended, by the noises of swells and locks.
+/// Height near which the hairs of a place end, in heights of the shell, for the noise values `swells` and `locks`.
 pub fn hair_top(variation: f32, swells: f32, locks: f32) -> f32 {
     1.0 - variation * (0.5 + 0.3 * swells + 0.2 * locks)
 }
 
-/// Heights below and above [`hair_top`] between which hairs end.
+/// Hairs end between [`hair_top`] minus the first and [`hair_top`] plus the second.
 const END: [f32; 2] = [0.25, 0.02];
 
-/// Share of the hairs of a place that reach height `t`.
+/// Fraction of the hairs of a place that reach height `t`; `top` is [`hair_top`].
 pub fn alive(top: f32, t: f32) -> f32 {
     1.0 - smoothstep(top - END[0], top + END[1], t)
 }
 
-/// Height at which the share `ended` of the hairs of a place have ended: the inverse of [`alive`].
+/// Height at which the fraction `ended` of the hairs of a place has ended: the inverse of [`alive`].
 pub fn end_height(top: f32, ended: f32) -> f32 {
     top - END[0] + (END[0] + END[1]) * inverse_smoothstep(ended)
 }
 
-/// The inverse of x² (3 - 2x) on 0..1.
+/// The inverse of x² (3 − 2x) on 0..1.
 fn inverse_smoothstep(y: f32) -> f32 {
     0.5 - ((1.0 - 2.0 * y.clamp(0.0, 1.0)).asin() / 3.0).sin()
 }
 
-/// Diameter at height `t` by that at the root, for the ratio of the two ends.
+/// Diameter at height `t` relative to that at the root; `ratio` is that at the top.
 pub fn taper(ratio: f32, t: f32) -> f32 {
     1.0 + (ratio - 1.0) * t
 }
 
-/// The undercoat of a shell.
+/// The undercoat within a prism shell.
 #[derive(Clone, Copy)]
 pub struct Undercoat<'a> {
-    /// Parameters.
+    /// Parameters, as the shaders read them.
     pub parameters: &'a UndercoatParameters,
-    /// The noise.
+    /// Simplex noise for the scene's seed.
     pub noise: Field,
-    /// The shell.
+    /// The prism shell.
     pub shell: &'a Shell,
-    /// The stored volume; where it is empty, media are evaluated.
+    /// The stored volume, a packed medium per subelement; if empty, media are evaluated on demand.
     pub cells: &'a [u32],
 }
 
@@ -145,13 +143,13 @@ impl Undercoat<'_> {
         }
     }
 
-    /// Locks of combed fur are longer than wide: the noise is stretched along the lean.
+    /// `p` with the component along the lean scaled by 1 − [`LEAN_STRETCH`].
     fn combed(&self, p: Vec3) -> Vec3 {
         let lean = Vec3::from(self.parameters.lean);
         p - lean * (lean.dot(p) * LEAN_STRETCH / lean.dot(lean).max(1e-12))
     }
 
-    /// Density relative to the mean at height `t` above point `p` of the noise's domain; `jittered` is the point for the finer noise.
+    /// Relative density at height `t` above point `p` of the noise's domain; `jittered` is the point at which clumps and locks are read.
     #[inline]
     pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
         let fur = self.parameters;
@@ -160,13 +158,13 @@ impl Undercoat<'_> {
         let locks = self.field(combed * LOCKS_SCALE + LOCKS_SHIFT, fur.noise_frequency);
         let clumps = self.field(combed, fur.noise_frequency);
         let swells = self.field(p - lean + SWELLS_SHIFT, fur.height_frequency);
-        // Hairs end at their own heights, which makes cones of the clumps.
+        // Each hair ends at its own height, so clumps taper towards their tips.
         let top = hair_top(fur.height_variation, swells, locks);
         let clump = clump_factor(fur.noise_contrast, t, clumps, locks);
         clump.max(0.0) * alive(top, t) * taper(fur.diameter_ratio, t)
     }
 
-    /// Medium above point `p` of the noise's domain at height `t`; `id` is the subelement's stable number.
+    /// Evaluates the medium at height `t` above point `p` of the noise's domain; `normal` is the unit direction of extrusion, `id` the stable number of the subelement.
     pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
         let fur = self.parameters;
         let h = hash2(id, fur.seed);
@@ -180,7 +178,7 @@ impl Undercoat<'_> {
         }
     }
 
-    /// Point of the noise's domain below barycentric coordinates of the place's prism: on the skin, cm, or uv.
+    /// Point of the noise's domain at barycentric coordinates `l` of the place's prism: a point of the skin (cm) or its uv.
     #[inline]
     pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
         if self.parameters.noise_domain == 1 {
@@ -191,7 +189,7 @@ impl Undercoat<'_> {
         }
     }
 
-    /// Medium of the subelement `id` of `layer` in the place's prism, evaluated.
+    /// Evaluates the medium of subelement `id` of the volume's layer `layer` in the place's prism.
     pub fn subelement(&self, place: &Place, layer: u32, id: u32) -> Medium {
         let l = subelement_centroid(id, place.subdivision);
         let t = (layer as f32 + 0.5) / self.parameters.layers as f32;
@@ -201,13 +199,13 @@ impl Undercoat<'_> {
         Medium { density: medium.density * place.crowding(t, medium.tangent), ..medium }
     }
 
-    /// Medium at a place: of its subelement.
+    /// The medium of the subelement that contains the place.
     pub fn at(&self, place: &Place) -> Medium {
         let layers = self.parameters.layers;
         let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
         let id = subelement(place.lambda, place.subdivision);
         if self.cells.is_empty() {
-            // As it would be stored, so that the image does not depend on it.
+            // Quantised as if it were stored, so that the image does not depend on which of the two is used.
             unpack_medium(pack_medium(self.subelement(place, layer, id)))
         } else {
             unpack_medium(self.cells[place.volume_index(layer, id) as usize])

@@ -1,36 +1,37 @@
-//! Chiang et al. 2016 in the form of Pharr et al. 2023: a rough dielectric cylinder with absorption, lossless without it.
+//! The model of Chiang et al. in the form of Pharr et al.: a rough dielectric cylinder with absorption, lossless if nothing is absorbed.
+// [Chiang2016], [Pharr2023] sec. 9.9
 
 use super::lobes::{Logistic, choose, fresnel, longitudinal, sample_longitudinal, wrap};
 use super::{Angles, Hit};
 use glam::Vec3;
 use std::f32::consts::{PI, TAU};
 
-/// How much a fibre absorbs.
+/// Absorption of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Absorption {
-    /// So much that a mass of such fibres has the colour of the tint: its logarithm is divided by this and squared.
+    /// From the colour of the hair, so that a mass of such fibres has this colour: the coefficient is the square of the colour's logarithm over this divisor.
     Color(f32),
-    /// Per radius of the fibre.
+    /// Absorption coefficient, per radius of the fibre.
     Fixed(Vec3),
 }
 
-/// The darkest colour that is told from black: log 0 has no value.
+/// Lower bound of colours, because the logarithm of 0 is not finite.
 pub const DARKEST: f32 = 1e-3;
 
 impl Absorption {
-    /// By colour, for an azimuthal roughness in 0..1.
+    /// Absorption from the colour of the hair, for an azimuthal roughness in 0..1.
     pub fn by_color(roughness: f32) -> Self {
         Self::Color(Self::divisor(roughness))
     }
 
-    /// What the logarithm of a colour is divided by, for an azimuthal roughness in 0..1.
+    /// Divisor of the colour's logarithm for an azimuthal roughness in 0..1.
     // [Chiang2016] sec. 4.2
     pub fn divisor(roughness: f32) -> f32 {
         let b = roughness;
         5.969 - 0.215 * b + 2.532 * b.powi(2) - 10.73 * b.powi(3) + 5.574 * b.powi(4) + 0.245 * b.powi(5)
     }
 
-    /// Of a hair of colour `tint`, per radius.
+    /// Absorption coefficient of a hair of colour `tint`, per radius.
     pub fn of(&self, tint: Vec3) -> Vec3 {
         match self {
             Self::Fixed(sigma) => *sigma,
@@ -43,28 +44,28 @@ impl Absorption {
     }
 }
 
-/// The lobes R, TT, TRT and all the rest.
+/// The lobes R, TT, TRT and the rest, all longer paths together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Chiang {
     /// Relative index of refraction.
     pub ior: f32,
-    /// Longitudinal variances.
+    /// Longitudinal variances of the four lobes.
     pub variance: [f32; 4],
-    /// Azimuthal scale.
+    /// Scale of the azimuthal logistic distribution.
     pub scale: f32,
     around: Logistic,
-    /// Turn of theta_o by the tilt of the scales, radians.
+    /// Rotations of θ_o by the tilt of the cuticle's scales, for the four lobes, radians.
     pub shift: [f32; 4],
     /// Absorption.
     pub absorption: Absorption,
 }
 
-/// Where a ray goes within the fibre.
+/// Geometry of a ray within the fibre.
 struct Within {
     gamma_o: f32,
     gamma_t: f32,
-    /// Way through it, in radii.
-    way: f32,
+    /// Path length of one pass through the fibre, in radii.
+    path_length: f32,
     fresnel: f32,
 }
 
@@ -81,7 +82,7 @@ pub fn azimuthal_scale(roughness: f32) -> f32 {
 }
 
 impl Chiang {
-    /// By longitudinal and azimuthal roughness in 0..1 and the tilt of the scales in radians.
+    /// The model for `[longitudinal, azimuthal]` roughness in 0..1 and a tilt of the scales in radians; without `absorption` it follows the colour.
     // [Chiang2016] eq. 7 and 8, [Pharr2023] sec. 9.9
     pub fn new([along, around]: [f32; 2], tilt: f32, ior: f32, absorption: Option<Vec3>) -> Self {
         let v = longitudinal_variance(along);
@@ -104,12 +105,12 @@ impl Chiang {
         Within {
             gamma_o: h.clamp(-1.0, 1.0).asin(),
             gamma_t: sin_t.asin(),
-            way: 2.0 * (1.0 - sin_t * sin_t).max(0.0).sqrt() / cos_theta_t,
+            path_length: 2.0 * (1.0 - sin_t * sin_t).max(0.0).sqrt() / cos_theta_t,
             fresnel: fresnel(o[1] * (1.0 - h * h).max(0.0).sqrt(), self.ior),
         }
     }
 
-    /// Attenuation of the lobes for a transmittance of one way through the fibre.
+    /// Attenuations of the lobes; `through` is the transmittance of one pass through the fibre.
     fn attenuation(fresnel: f32, through: Vec3) -> [Vec3; 4] {
         let r = Vec3::splat(fresnel);
         let tt = (1.0 - fresnel) * (1.0 - fresnel) * through;
@@ -120,28 +121,28 @@ impl Chiang {
 
     fn attenuations(&self, within: &Within, tint: Vec3) -> [Vec3; 4] {
         let sigma = self.absorption.of(tint);
-        let through = Vec3::from((-sigma * within.way).to_array().map(f32::exp));
+        let through = Vec3::from((-sigma * within.path_length).to_array().map(f32::exp));
         Self::attenuation(within.fresnel, through)
     }
 
-    /// Azimuthal functions at `phi` = phi_i - phi_o.
+    /// Azimuthal functions of the lobes at `phi` = φ_i − φ_o.
     fn azimuthal(&self, within: &Within, phi: f32) -> [f32; 4] {
         let at = |p: f32| self.around.pdf(wrap(phi - exit(p, within.gamma_o, within.gamma_t)));
         [at(0.0), at(1.0), at(2.0), 1.0 / TAU]
     }
 
-    /// Sine and cosine of theta_o turned for lobe `p`.
+    /// Sine and cosine of θ_o, rotated by the tilt for lobe `p`.
     pub fn turned(&self, p: usize, o: [f32; 2]) -> [f32; 2] {
         let (s, c) = self.shift[p].sin_cos();
         [o[0] * c + o[1] * s, (o[1] * c - o[0] * s).abs()]
     }
 
-    /// Longitudinal functions.
+    /// Longitudinal functions of the lobes.
     pub fn along(&self, a: &Angles) -> [f32; 4] {
         [0, 1, 2, 3].map(|p| longitudinal(a.i, self.turned(p, a.o), self.variance[p]))
     }
 
-    /// f cos(theta_i) at offset h.
+    /// f cos θ_i at the offset of `hit`.
     // [Chiang2016], [Pharr2023] sec. 9.9
     pub fn scatter(&self, hit: &Hit, a: &Angles) -> Vec3 {
         let within = self.within(a.o, hit.h);
@@ -154,7 +155,7 @@ impl Chiang {
         attenuation.map(|a| a.max_element() + 1e-6)
     }
 
-    /// Sine of theta_i and azimuth.
+    /// Samples the sine of θ_i and the azimuth.
     pub(super) fn sample(&self, hit: &Hit, o: [f32; 2], u: [f32; 4]) -> (f32, f32) {
         let within = self.within(o, hit.h);
         let (p, _) = choose(&Self::shares(&self.attenuations(&within, hit.tint)), u[0]);
@@ -174,8 +175,7 @@ impl Chiang {
         (0..4).map(|p| shares[p] * along[p] * around[p]).sum::<f32>() / shares.iter().sum::<f32>()
     }
 
-    /// Adds the lobes at offset `h` and inclination `o` to `sum[layer][phi]`, for the transmittances `exp(-sigma)` of one radius in
-    /// `radius`; `phis` counts azimuths from 0 to pi.
+    /// Adds the azimuthal functions of the lobes, times their attenuations and `weight`, to `sum[layer * phis + k]` for azimuths from 0 to π; `o` is sine and cosine of θ_o, `h` the offset, and `radius` holds the transmittance exp(−σ) of one radius for each layer.
     pub(super) fn add_far(
         &self,
         o: [f32; 2],
@@ -188,7 +188,10 @@ impl Chiang {
         let within = self.within(o, h);
         let attenuation: Vec<[f32; 4]> = radius
             .iter()
-            .map(|t| Self::attenuation(within.fresnel, Vec3::splat(t.powf(within.way))).map(|a| weight * a.x))
+            .map(|t| {
+                Self::attenuation(within.fresnel, Vec3::splat(t.powf(within.path_length)))
+                    .map(|a| weight * a.x)
+            })
             .collect();
         for k in 0..phis {
             let around = self.azimuthal(&within, PI * k as f32 / (phis - 1) as f32);
@@ -199,7 +202,8 @@ impl Chiang {
     }
 }
 
-/// Azimuth at which a ray leaves after `p` ways through a smooth fibre.
+/// Azimuth at which a ray leaves a smooth fibre after `p` passes through it.
+// [Chiang2016], [Pharr2023] sec. 9.9
 pub(super) fn exit(p: f32, gamma_o: f32, gamma_t: f32) -> f32 {
     2.0 * p * gamma_t - 2.0 * gamma_o + p * PI
 }

@@ -1,10 +1,11 @@
-//! Kajiya and Kay 1989: a diffuse term and a highlight on the mirror cone.
+//! Kajiya and Kay's model: a diffuse term and a highlight around the mirror cone.
+// [KajiyaKay1989]
 
 use super::{Angles, Hit};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// Weights and exponent.
+/// Weights and exponent of the model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct KajiyaKay {
     /// Weight of the diffuse term, lossless at 1.
@@ -13,12 +14,12 @@ pub struct KajiyaKay {
     pub specular: f32,
     /// Its exponent.
     pub exponent: f32,
-    /// Integral of cos^exponent over -pi/2..pi/2.
+    /// Integral of cos^exponent over −π/2..π/2.
     area: f32,
 }
 
 impl KajiyaKay {
-    /// A model by its weights.
+    /// The model with the given weights and exponent.
     pub fn new(diffuse: f32, specular: f32, exponent: f32) -> Self {
         let steps = 4000;
         let sum: f64 = (0..steps)
@@ -29,8 +30,8 @@ impl KajiyaKay {
         Self { diffuse, specular, exponent, area }
     }
 
-    /// f cos(theta_i) for a hair of colour 1.
-    // [KajiyaKay1989]; both directions leave the hair, so the mirror cone lies at theta_i = -theta_o
+    /// f cos θ_i for a hair of colour 1.
+    // [KajiyaKay1989]; both directions leave the hair, so the mirror cone is at θ_i = −θ_o.
     pub fn scatter(&self, a: &Angles) -> f32 {
         let mut value = self.diffuse / (PI * PI) * a.i[1];
         if self.specular > 0.0 {
@@ -45,15 +46,15 @@ impl KajiyaKay {
         diffuse / (diffuse + self.specular * self.area)
     }
 
-    /// Sine of theta_i and azimuth.
+    /// Samples the sine of θ_i and the azimuth.
     pub(super) fn sample(&self, _hit: &Hit, o: [f32; 2], u: [f32; 4]) -> (f32, f32) {
         let phi = TAU * u[2] - PI;
         if u[3] < self.diffuse_share() {
             return (diffuse_sample([u[0], u[1]]), phi);
         }
-        // A marginal of the disc with density (1 - r^2)^(p/2 - 1) falls off as the power of the cosine.
+        // A marginal of the disc with density (1 − r²)^(p/2 − 1) is proportional to a power of the cosine.
         let s = (1.0 - u[0].powf(2.0 / self.exponent)).max(0.0).sqrt() * (TAU * u[1]).cos();
-        // Over the pole it comes down on the other side.
+        // An angle beyond the pole continues on the other side.
         ((s.clamp(-1.0, 1.0).asin() - o[0].asin()).sin(), phi)
     }
 
@@ -66,18 +67,18 @@ impl KajiyaKay {
         q * diffuse_pdf(a.i[1]) + (1.0 - q) * around / (self.area * TAU * a.i[1].max(1e-6))
     }
 
-    /// The tint as it is.
+    /// The colour of the hair, unchanged.
     pub(super) fn color(&self, hit: &Hit) -> Vec3 {
         hit.tint
     }
 }
 
-/// Sine of an inclination by the cosine to the second power: a marginal of the even disc.
+/// Samples the sine of an inclination with density cos² θ: a marginal of the uniform disc.
 pub(super) fn diffuse_sample(u: [f32; 2]) -> f32 {
     u[0].sqrt() * (TAU * u[1]).cos()
 }
 
-/// Its density over directions, 1/sr.
+/// Density of [`diffuse_sample`] with a uniform azimuth, 1/sr.
 pub(super) fn diffuse_pdf(cos: f32) -> f32 {
     cos / (PI * PI)
 }

@@ -1,9 +1,9 @@
-//! One-dimensional functions that the models are made of, each with its samples.
+//! One-dimensional functions from which the models are composed, with their sampling.
 
 use std::f32::consts::{PI, TAU};
 
-/// I0(x) e^-x, the modified Bessel function of the first kind without its growth; x >= 0, relative error below 1e-6.
-// Abramowitz and Stegun, Handbook of mathematical functions, 9.8.1 and 9.8.2
+/// I₀(x) e^−x, the exponentially scaled modified Bessel function of the first kind; x ≥ 0, relative error below 1e-6.
+// [AbramowitzStegun1964] 9.8.1 and 9.8.2
 pub fn bessel_i0e(x: f32) -> f32 {
     if x < 3.75 {
         let t = (x / 3.75) * (x / 3.75);
@@ -24,23 +24,24 @@ pub fn bessel_i0e(x: f32) -> f32 {
     sum / x.sqrt()
 }
 
-/// Longitudinal function of variance `v`: its integral times cos over the inclination is 1 for every inclination of the eye.
-/// `i` and `o` are sine and cosine of the inclinations.
-// [DEon2011], in a form that does not overflow: I0 and sinh without their growth
+/// Longitudinal scattering function of variance `v`; its integral times cos θ_i over the inclination is 1 for every θ_o. `i` and `o` are sine and cosine of the inclinations.
+// [DEon2011], in a form that does not overflow: I₀ and sinh are exponentially scaled.
 pub fn longitudinal(i: [f32; 2], o: [f32; 2], v: f32) -> f32 {
     let product = i[1] * o[1];
     let exponent = (product - i[0] * o[0] - 1.0) / v;
     exponent.exp() * bessel_i0e(product / v) / (v * (1.0 - (-2.0 / v).exp()))
 }
 
-/// Sine of an inclination drawn by [`longitudinal`].
+/// Samples the sine of an inclination from [`longitudinal`].
+// [DEon2013], [Pharr2023] sec. 9.9
 pub fn sample_longitudinal(o: [f32; 2], v: f32, u: [f32; 2]) -> f32 {
     let cos = 1.0 + v * (u[0].max(1e-7) + (1.0 - u[0]) * (-2.0 / v).exp()).ln();
     let sin = (1.0 - cos * cos).max(0.0).sqrt();
     (-cos * o[0] + sin * (TAU * u[1]).cos() * o[1]).clamp(-1.0, 1.0)
 }
 
-/// The logistic distribution of scale `s` around `mean`, cut to an interval.
+/// The logistic distribution of scale `s` around `mean`, truncated to an interval.
+// [Pharr2023] sec. 9.9
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Logistic {
     mean: f32,
@@ -56,19 +57,19 @@ fn logistic_cdf(x: f32, s: f32) -> f32 {
 }
 
 impl Logistic {
-    /// `mean` is moved into the interval.
+    /// The distribution truncated to `[low, high]`; `mean` is clamped to the interval.
     pub fn new(mean: f32, s: f32, [low, high]: [f32; 2]) -> Self {
         let mean = mean.clamp(low, high);
         let (cdf_low, cdf_high) = (logistic_cdf(low - mean, s), logistic_cdf(high - mean, s));
         Self { mean, s, low, high, cdf_low, cdf_high }
     }
 
-    /// Around 0 between -pi and pi.
+    /// The distribution around 0, truncated to −π..π.
     pub fn turn(s: f32) -> Self {
         Self::new(0.0, s, [-PI, PI])
     }
 
-    /// Density; 0 outside of the interval.
+    /// Probability density; 0 outside the interval.
     pub fn pdf(&self, x: f32) -> f32 {
         if x < self.low || x > self.high {
             return 0.0;
@@ -77,20 +78,20 @@ impl Logistic {
         e / (self.s * (1.0 + e) * (1.0 + e) * (self.cdf_high - self.cdf_low))
     }
 
-    /// The place under which a share `u` of the distribution lies.
+    /// The `u`-quantile.
     pub fn sample(&self, u: f32) -> f32 {
         let p = (self.cdf_low + u * (self.cdf_high - self.cdf_low)).clamp(1e-9, 1.0 - 6e-8);
         (self.mean - self.s * (1.0 / p - 1.0).ln()).clamp(self.low, self.high)
     }
 }
 
-/// An angle between -pi and pi.
+/// Wraps an angle to −π..π.
 pub fn wrap(x: f32) -> f32 {
     let x = x - TAU * (x / TAU).round();
     x.clamp(-PI, PI)
 }
 
-/// Gaussian of unit area on the circle; `x` between -pi and pi.
+/// Wrapped normal density of standard deviation `width` on the circle; `x` in −π..π.
 pub fn wrapped_gaussian(x: f32, width: f32) -> f32 {
     let g = |x: f32| (-0.5 * (x / width) * (x / width)).exp();
     let mut sum = g(x);
@@ -100,13 +101,13 @@ pub fn wrapped_gaussian(x: f32, width: f32) -> f32 {
     sum / (width * TAU.sqrt())
 }
 
-/// Two random numbers to a standard normal one.
+/// A standard normal deviate from two uniform numbers.
+// [BoxMuller1958]
 pub fn normal(u: [f32; 2]) -> f32 {
-    // Box and Muller
     (-2.0 * u[0].max(1e-12).ln()).sqrt() * (TAU * u[1]).cos()
 }
 
-/// Reflectance of a smooth dielectric of relative index `eta`, from outside.
+/// Fresnel reflectance of a smooth dielectric of relative index `eta`, from outside, for unpolarised light; `cos` is that of the angle of incidence.
 pub fn fresnel(cos: f32, eta: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);
     let cos_t = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt();
@@ -115,7 +116,7 @@ pub fn fresnel(cos: f32, eta: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Takes a share of the interval 0..1 by weights: the index, and the random number stretched back to 0..1.
+/// Selects an index with probability proportional to its weight; also returns the random number, rescaled to 0..1 for reuse.
 pub fn choose(weights: &[f32], u: f32) -> (usize, f32) {
     let sum: f32 = weights.iter().sum();
     let mut rest = u * sum;

@@ -1,5 +1,5 @@
-//! Yan et al. 2017: a cortex with a medulla in it that scatters light. R, TT, TRT as in a plain fibre, and TTs, TRTs, scattered in
-//! the medulla on the first or the second way through.
+//! The model of Yan et al.: a cortex around a medulla that scatters light. Lobes R, TT, TRT as in a plain fibre, and TTs and TRTs, scattered in the medulla on the first or second pass.
+// [Yan2017]
 
 pub mod scatter;
 
@@ -12,60 +12,60 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::Arc;
 
-/// What the fibre is made of; coefficients are per radius of the hair, angles in radians.
+/// Parameters of a fibre with a medulla; coefficients are per radius of the hair, angles in radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
     /// Index of refraction.
     pub ior: f32,
     /// Tilt of the cuticle's scales.
     pub tilt: f32,
-    /// Layers of the cuticle.
+    /// Number of layers of the cuticle.
     pub layers: f32,
     /// Absorption of the cortex.
     pub absorption: Absorption,
-    /// Radius of the medulla by that of the hair, below 1.
+    /// Radius of the medulla relative to that of the hair, below 1.
     pub radius: f32,
     /// Scattering coefficient of the medulla.
     pub scattering: f32,
-    /// Its absorption coefficient.
+    /// Absorption coefficient of the medulla.
     pub medulla_absorption: f32,
-    /// Mean cosine of its scattering angle.
+    /// Mean cosine g of the medulla's phase function.
     pub anisotropy: f32,
-    /// Longitudinal and azimuthal width.
+    /// Longitudinal and azimuthal widths.
     pub width: [f32; 2],
 }
 
-/// A fibre with its tables.
+/// A fibre with its scattering tables.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Medulla {
-    /// What it is made of.
+    /// Parameters.
     pub parts: Parts,
     table: Option<Arc<ScatterTable>>,
 }
 
-/// Where a ray goes within the fibre.
+/// Geometry and transmittances of a ray within the fibre.
 struct Within {
     gamma_o: f32,
     gamma_t: f32,
     fresnel: f32,
-    /// Ways through the cortex: of an unscattered pass, and up to scattering and out.
+    /// Path lengths in the cortex: of an unscattered pass; and up to scattering and out.
     cortex: [f32; 2],
-    /// Part that the medulla absorbs not of an unscattered pass, and of a scattered one.
+    /// Transmittance of the medulla's absorption: for an unscattered pass, and for a scattered one.
     medulla: [f32; 2],
-    /// Part that is not scattered in a pass.
+    /// Fraction that is not scattered in a pass.
     unscattered: f32,
-    /// Offset in the medulla, by its radius.
+    /// Offset in the medulla, relative to its radius.
     offset: f32,
 }
 
-/// Longitudinal width at the least, radians: the mirror cone of R closes up where light goes straight on.
+/// Smallest longitudinal width, radians; the width of R would vanish in the forward direction.
 const LEAST_WIDTH: f32 = 0.01;
 
-/// R, TT, TRT, TTs, TRTs, and all longer paths.
+/// Number of lobes: R, TT, TRT, TTs, TRTs, and all longer paths.
 const LOBES: usize = 6;
 
 impl Medulla {
-    /// With tables from the cache in `cache`, or made.
+    /// The model, with tables from the cache folder `cache`, or simulated if they are not there.
     pub fn new(parts: Parts, cache: Option<&Path>) -> Self {
         let scatters = parts.radius > 1e-3 && parts.scattering > 1e-4;
         let medium = Medium {
@@ -76,7 +76,7 @@ impl Medulla {
         Self { parts, table: scatters.then(|| Arc::new(ScatterTable::cached(medium, cache))) }
     }
 
-    // [Yan2017]: s_c and s_m are half the ways through cortex and medulla, F_l is the reflectance of the layers of the cuticle
+    // [Yan2017]: s_c and s_m are half the path lengths in cortex and medulla; F_l is the reflectance of the cuticle's layers.
     fn within(&self, o: [f32; 2], h: f32) -> Within {
         let parts = &self.parts;
         let cos_o = o[1].max(1e-4);
@@ -90,8 +90,8 @@ impl Medulla {
         };
         let in_cortex = whole - in_medulla;
         let f = fresnel(o[1] * (1.0 - h * h).max(0.0).sqrt(), parts.ior);
-        let way = match &self.table {
-            Some(table) if offset.abs() < 1.0 => parts.radius * table.way(o[0], offset),
+        let scattered_length = match &self.table {
+            Some(table) if offset.abs() < 1.0 => parts.radius * table.path_length(o[0], offset),
             _ => 0.0,
         };
         Within {
@@ -99,15 +99,15 @@ impl Medulla {
             gamma_t: sin_t.asin(),
             fresnel: parts.layers * f / (1.0 + (parts.layers - 1.0) * f).max(1e-6),
             cortex: [2.0 * in_cortex, in_cortex + 1.0 - parts.radius].map(|x| x / cos_theta_t),
-            medulla: [2.0 * in_medulla / cos_theta_t, way].map(|x| (-x * parts.medulla_absorption).exp()),
+            medulla: [2.0 * in_medulla / cos_theta_t, scattered_length]
+                .map(|x| (-x * parts.medulla_absorption).exp()),
             unscattered: (-2.0 * in_medulla / cos_theta_t * parts.scattering).exp(),
             offset: offset.clamp(-1.0, 1.0),
         }
     }
 
-    /// Attenuation of the lobes for what the cortex lets through on the two ways of [`Within::cortex`].
-    // [Yan2017]. DEVIATION: what is scattered on a way is what is not unscattered on that way, so that no light is lost or made;
-    // paths of more reflections, which the paper drops, are added to the light from the medulla, evenly around
+    /// Attenuations of the lobes for the transmittances of the cortex over the two path lengths of [`Within::cortex`].
+    // [Yan2017]. DEVIATION: what is scattered in a pass is exactly what is not left unscattered, so that energy is conserved; longer paths, which the paper omits, join the light from the medulla, uniform in azimuth.
     fn attenuation(w: &Within, [pass, half]: [f32; 2]) -> [f32; LOBES] {
         let f = w.fresnel;
         let through = pass * w.medulla[0] * w.unscattered;
@@ -120,11 +120,12 @@ impl Medulla {
 
     fn attenuations(&self, w: &Within, tint: Vec3) -> [Vec3; LOBES] {
         let sigma = self.parts.absorption.of(tint);
-        let [r, g, b] = sigma.to_array().map(|s| Self::attenuation(w, w.cortex.map(|way| (-s * way).exp())));
+        let [r, g, b] =
+            sigma.to_array().map(|s| Self::attenuation(w, w.cortex.map(|length| (-s * length).exp())));
         std::array::from_fn(|p| Vec3::new(r[p], g[p], b[p]))
     }
 
-    /// Azimuth at which light has come to go when it is in the medulla for the `p`th time.
+    /// Azimuth of propagation within the medulla on the `p`th pass.
     fn inside(w: &Within, p: f32) -> f32 {
         PI + w.gamma_t - w.gamma_o + (p - 1.0) * (PI + 2.0 * w.gamma_t)
     }
@@ -145,8 +146,8 @@ impl Medulla {
         [plain(0.0), plain(1.0), plain(2.0), scattered(1.0), scattered(2.0), 1.0 / TAU]
     }
 
-    /// Inclination around which lobe R, TT or TRT lies mirrored, and its variance.
-    // [Yan2017]: R on the cone of the tilted surface, which the others leave by fixed shifts
+    /// Inclination (sine, cosine) whose mirror cone is the centre of lobe R, TT or TRT (`p` = 0, 1, 2), and the lobe's variance.
+    // [Yan2017]: R lies on the cone of the tilted surface; TT and TRT have fixed shifts.
     fn cone(&self, p: usize, o: [f32; 2], phi: f32) -> ([f32; 2], f32) {
         let (tilt, width) = (self.parts.tilt, self.parts.width[0]);
         if p == 0 {
@@ -162,7 +163,7 @@ impl Medulla {
     }
 
     /// Longitudinal functions of R, TT, TRT and of all scattered light.
-    // DEVIATION: [Yan2017] has Gaussians over cos^2, which lose light at grazing angles; this function is normalised on the sphere
+    // DEVIATION: [Yan2017] divides Gaussians by cos², which loses light at grazing angles; this function is normalised on the sphere.
     pub fn along(&self, a: &Angles) -> [f32; 4] {
         let plain = |p: usize| {
             let (o, v) = self.cone(p, a.o, a.phi);
@@ -171,12 +172,12 @@ impl Medulla {
         [plain(0), plain(1), plain(2), self.scattered_along(a.o[0], a.i[0])]
     }
 
-    /// Density of the sine of the light's inclination for scattered light.
+    /// Density of the sine of θ_i for scattered light.
     pub fn scattered_along(&self, sin_o: f32, sin_i: f32) -> f32 {
         self.table.as_ref().map_or(0.5, |table| table.along(sin_o, sin_i))
     }
 
-    /// f cos(theta_i) at offset h.
+    /// f cos θ_i at the offset of `hit`.
     pub fn scatter(&self, hit: &Hit, a: &Angles) -> Vec3 {
         let w = self.within(a.o, hit.h);
         let (attenuation, along) = (self.attenuations(&w, hit.tint), self.along(a));
@@ -184,7 +185,7 @@ impl Medulla {
         (0..LOBES).map(|p| attenuation[p] * along[p.min(3)] * around[p]).sum()
     }
 
-    /// Energy of the lobes at offset h, for a fibre whose cortex absorbs nothing.
+    /// Energies of the lobes at offset `h` for a fibre whose cortex absorbs nothing; `o` is sine and cosine of θ_o.
     pub fn energies(&self, o: [f32; 2], h: f32) -> [f32; LOBES] {
         Self::attenuation(&self.within(o, h), [1.0; 2])
     }
@@ -193,7 +194,7 @@ impl Medulla {
         attenuation.map(|a| a.max_element() + 1e-6)
     }
 
-    /// Sine of theta_i and azimuth.
+    /// Samples the sine of θ_i and the azimuth.
     pub(super) fn sample(&self, hit: &Hit, o: [f32; 2], u: [f32; 4]) -> (f32, f32) {
         let w = self.within(o, hit.h);
         let (p, rest) = choose(&Self::shares(&self.attenuations(&w, hit.tint)), u[0]);
@@ -226,7 +227,7 @@ impl Medulla {
         (0..LOBES).map(|p| shares[p] * along[p.min(3)] * around[p]).sum::<f32>() / shares.iter().sum::<f32>()
     }
 
-    /// As [`super::Chiang::add_far`]; the fourth lobe is all that is scattered.
+    /// As [`super::Chiang::add_far`]; the fourth lobe is all light scattered in the medulla and all longer paths.
     pub(super) fn add_far(
         &self,
         o: [f32; 2],
@@ -239,7 +240,7 @@ impl Medulla {
         let w = self.within(o, h);
         let attenuation: Vec<[f32; LOBES]> = radius
             .iter()
-            .map(|t| Self::attenuation(&w, w.cortex.map(|way| t.powf(way))).map(|a| weight * a))
+            .map(|t| Self::attenuation(&w, w.cortex.map(|length| t.powf(length))).map(|a| weight * a))
             .collect();
         for k in 0..phis {
             let n = self.azimuthal(&w, o, PI * k as f32 / (phis - 1) as f32);

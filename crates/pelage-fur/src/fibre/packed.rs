@@ -1,14 +1,14 @@
-//! Models as the shaders read them.
+//! The models, as the shaders read them.
 
 use super::{Absorption, FarTable, Fibre};
 use crate::layout;
 use bytemuck::Zeroable;
 
-/// Number of models that shaders tell apart.
+/// Number of models that the shaders distinguish.
 pub const MODELS: u32 = 5;
 
 impl Fibre {
-    /// The model's number in `shaders/shared/fibre.wgsl`.
+    /// Index of the model in `shaders/shared/fibre.wgsl`.
     pub fn number(&self) -> u32 {
         match self {
             Self::KajiyaKay(_) => 0,
@@ -19,7 +19,7 @@ impl Fibre {
         }
     }
 
-    /// The uniform, for a table whose first texel is `base` in its buffer.
+    /// The uniform; `base` is the first texel of the model's table in its buffer.
     pub fn packed(&self, base: u32) -> layout::Fibre {
         let none = layout::Fibre::zeroed();
         let packed = match self {
@@ -52,7 +52,7 @@ impl Fibre {
         layout::Fibre { table_base: base, table_size: self.table().0, ..packed }
     }
 
-    /// The table as it lies in buffers, texels of four halves: an even number, none for most models.
+    /// The table as stored in buffers, texels of four halves; empty for models without a table.
     pub fn texels(&self) -> Vec<[u32; 2]> {
         let half = |a: f32, b: f32| {
             u32::from(half::f16::from_f32(a).to_bits()) | (u32::from(half::f16::from_f32(b).to_bits()) << 16)
@@ -60,7 +60,7 @@ impl Fibre {
         self.table().1.iter().map(|[r, tt, trt, rest]| [half(*r, *tt), half(*trt, *rest)]).collect()
     }
 
-    /// Width, height and layers of the table, and its values.
+    /// Size of the table ([azimuths, inclinations, layers]) and its values, [layer][inclination][azimuth].
     fn table(&self) -> ([u32; 3], Vec<[f32; 4]>) {
         if let Self::Sadeghi(super::Sadeghi { albedo: Some(rows), .. }) = self {
             let values = rows.iter().map(|[r, tt, trt]| [*r, *tt, *trt, 0.0]).collect();

@@ -1,5 +1,5 @@
-//! Sadeghi et al. 2010: single scattering R, TT, TRT with glints, each lobe with an intensity of its own, and the diffuse term of
-//! Kajiya and Kay. Lobes of unit height conserve no energy; [`Sadeghi::normalised`] takes away what is too much.
+//! The model of Sadeghi et al.: lobes R, TT, TRT and glints, each with its own intensity, and a Kajiya–Kay diffuse term. Lobes of unit height do not conserve energy; [`Sadeghi::normalised`] limits them.
+// [Sadeghi2010], [KajiyaKay1989]
 
 use super::kajiya_kay::{diffuse_pdf, diffuse_sample};
 use super::lobes::{Logistic, choose, wrap};
@@ -7,49 +7,48 @@ use super::{Angles, Hit};
 use glam::Vec3;
 use std::f32::consts::{FRAC_PI_2, PI, TAU};
 
-/// Inclinations in the table of albedos.
+/// Rows of the albedo table, one for each inclination.
 pub const ALBEDO_ROWS: usize = 128;
 
 /// Lobes and weights; angles in radians.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sadeghi {
-    /// Of R, TT, TRT.
+    /// Intensities of R, TT, TRT.
     pub intensity: [f32; 3],
-    /// Longitudinal shift.
+    /// Longitudinal shifts of R, TT, TRT.
     pub shift: [f32; 3],
-    /// Longitudinal width.
+    /// Longitudinal widths of R, TT, TRT: standard deviations in the half angle.
     pub width: [f32; 3],
     /// Azimuthal width of TT.
     pub azimuth_tt: f32,
-    /// Intensity of the glints.
+    /// Intensity of the glints relative to TRT.
     pub glint: f32,
-    /// Their azimuthal width.
+    /// Azimuthal width of the glints.
     pub glint_width: f32,
     /// Weight of the diffuse term.
     pub diffuse: f32,
-    /// Directional albedo of R, TT, TRT of a white hair at even inclinations from -pi/2 to pi/2, where the model is normalised.
+    /// For the normalised model, directional albedos of R, TT, TRT of a white hair at evenly spaced inclinations from −π/2 to π/2; otherwise `None`.
     pub albedo: Option<Vec<[f32; 3]>>,
 }
 
-/// Gaussian of unit height.
+/// Gaussian of unit height and standard deviation `width`.
 fn unit_gaussian(x: f32, width: f32) -> f32 {
     (-0.5 * x * x / (width * width)).exp()
 }
 
-/// Scale of the logistic distribution that is drawn from in place of a Gaussian of unit width: its tails are the heavier ones,
-/// so that weights stay bounded.
+/// Scale of the logistic distribution that is sampled instead of a Gaussian of unit width. Its tails are heavier, so that sample weights stay bounded.
 const LOGISTIC: f32 = 0.6;
 
 impl Sadeghi {
-    /// The same, never more out than in.
-    // DEVIATION: [Sadeghi2010] leaves it to the artist that lobes do not create energy
+    /// The model, scaled so that no more light leaves the hair than enters it.
+    // DEVIATION: [Sadeghi2010] leaves it to the artist to avoid lobes that create energy.
     pub fn normalised(mut self) -> Self {
         self.albedo = None;
         self.albedo = Some((0..ALBEDO_ROWS).map(|row| self.lobe_albedo(row)).collect());
         self
     }
 
-    /// Integral of the lobes over the light's directions at a row of the table.
+    /// Integrals of the lobes over all light directions at a row of the table.
     fn lobe_albedo(&self, row: usize) -> [f32; 3] {
         let theta_o = (row as f32 / (ALBEDO_ROWS - 1) as f32 - 0.5) * PI;
         let o = [theta_o.sin(), theta_o.cos().max(0.0)];
@@ -71,8 +70,7 @@ impl Sadeghi {
         unit_gaussian(theta_h - self.shift[lobe], self.width[lobe])
     }
 
-    /// Factor on f: one over the albedo where that is above one, at the inclination where it is largest, so that
-    /// light and eye can still be exchanged.
+    /// Normalisation factor on f: one over the albedo where that exceeds one, at whichever of the two inclinations it is larger, so that the model stays reciprocal.
     fn factor(&self, a: &Angles, tint: Vec3) -> Vec3 {
         let Some(table) = &self.albedo else { return Vec3::ONE };
         let albedo = |sin: f32| {
@@ -85,8 +83,8 @@ impl Sadeghi {
         Vec3::ONE / albedo(a.i[0]).max(albedo(a.o[0])).max(Vec3::ONE)
     }
 
-    /// f cos(theta_i).
-    // [Sadeghi2010]; the diffuse term is that of [KajiyaKay1989]
+    /// f cos θ_i.
+    // [Sadeghi2010]; the diffuse term is that of [KajiyaKay1989].
     pub fn scatter(&self, hit: &Hit, a: &Angles) -> Vec3 {
         let tint = hit.tint;
         let phi = a.phi.abs();
@@ -100,7 +98,7 @@ impl Sadeghi {
         a.i[1] * (lobes / cut(a.i, a.o) + self.diffuse / (PI * PI) * tint) * self.factor(a, tint)
     }
 
-    /// Shares of R, TT, TRT, glints, diffuse among the samples.
+    /// Unnormalised sampling probabilities of R, TT, TRT, glints and diffuse.
     fn shares(&self, tint: Vec3) -> [f32; 5] {
         let bright = tint.max_element();
         let along = |lobe: usize| self.intensity[lobe] * self.width[lobe] * 2.0 * TAU.sqrt();
@@ -122,7 +120,7 @@ impl Sadeghi {
         Logistic::new(hit.glint_angle, LOGISTIC * self.glint_width, [0.0, PI])
     }
 
-    /// Sine of theta_i and azimuth.
+    /// Samples the sine of θ_i and the azimuth.
     pub(super) fn sample(&self, hit: &Hit, o: [f32; 2], u: [f32; 4]) -> (f32, f32) {
         let (lobe, _) = choose(&self.shares(hit.tint), u[3]);
         if lobe == 4 {
@@ -153,12 +151,13 @@ impl Sadeghi {
     }
 }
 
-/// cos^2 of the difference angle, cut where it would blow lobes up.
+/// cos² of the difference angle (θ_i − θ_o)/2, bounded from below because lobes are divided by it.
 fn cut(i: [f32; 2], o: [f32; 2]) -> f32 {
-    // cos^2(x / 2) from cos x
+    // cos²(x / 2) from cos x.
     (0.5 * (1.0 + i[1] * o[1] + i[0] * o[0])).max(0.05)
 }
 
+/// Midpoint rule.
 fn quadrature(low: f32, high: f32, steps: u32, f: impl Fn(f32) -> f32) -> f32 {
     let d = f64::from(high - low) / f64::from(steps);
     let sum: f64 = (0..steps).map(|k| f64::from(f(low + ((f64::from(k) + 0.5) * d) as f32))).sum();

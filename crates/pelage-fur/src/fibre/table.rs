@@ -1,5 +1,4 @@
-//! Far fields as tables, for shaders and for quadrature: the azimuthal functions of four lobes, integrated over the offset. The
-//! longitudinal functions are closed forms, or a table of one more layer.
+//! Far fields as tables, for shaders and quadrature: azimuthal functions of four lobes, integrated over the offset. The longitudinal functions are closed forms, or one more layer of the table.
 
 use super::{Absorption, Angles, Fibre, inclination, offsets};
 use glam::Vec3;
@@ -7,52 +6,51 @@ use rayon::prelude::*;
 use std::f32::consts::{FRAC_PI_2, PI};
 use std::sync::{Arc, Mutex};
 
-/// Azimuthal functions of R, TT, TRT and the rest.
+/// Far-field azimuthal functions of R, TT, TRT and the rest.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FarTable {
-    /// Azimuths, 0 to pi.
+    /// Number of azimuths, evenly spaced from 0 to π.
     pub phis: usize,
-    /// Inclinations of the eye, 0 to pi/2.
+    /// Number of inclinations θ_o, evenly spaced from 0 to π/2.
     pub thetas: usize,
-    /// Absorptions: what a way of one diameter lets through, 0 to 1; then, for fibres with a medulla, one layer more: the longitudinal
-    /// density of scattered light by the sine of the light's inclination (-1 to 1) in place of the azimuth.
+    /// Number of layers, evenly spaced in the transmittance of one diameter from 0 to 1. Fibres with a medulla have one more: the longitudinal density of scattered light, with the sine of θ_i (−1 to 1) in place of the azimuth.
     pub layers: usize,
-    /// By layer, inclination, azimuth.
+    /// Values of the four lobes, [layer][inclination][azimuth].
     pub values: Vec<[f32; 4]>,
 }
 
-/// Offsets of the mean.
+/// Number of offsets over which the near field is averaged.
 const OFFSETS: u32 = 256;
 
 impl FarTable {
-    /// [`FarTable::new`], kept while the program runs: frames of an animation have the same hairs.
+    /// [`FarTable::new`] with a process-wide cache: frames of an animation have the same hairs.
     pub fn shared(fibre: &Fibre) -> Option<Arc<Self>> {
-        static MADE: Mutex<Vec<(Fibre, Arc<FarTable>)>> = Mutex::new(Vec::new());
-        const MOST: usize = 8;
+        static CACHE: Mutex<Vec<(Fibre, Arc<FarTable>)>> = Mutex::new(Vec::new());
+        const CAPACITY: usize = 8;
         if !fibre.is_near_field() {
             return None;
         }
-        let made = || MADE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
-        if let Some((_, table)) = made().iter().find(|(of, _)| of == fibre) {
+        let cache = || CACHE.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        if let Some((_, table)) = cache().iter().find(|(of, _)| of == fibre) {
             return Some(table.clone());
         }
         let table = Arc::new(Self::new(fibre)?);
-        let mut made = made();
-        if made.len() >= MOST {
-            made.remove(0);
+        let mut cache = cache();
+        if cache.len() >= CAPACITY {
+            cache.remove(0);
         }
-        made.push((fibre.clone(), table.clone()));
+        cache.push((fibre.clone(), table.clone()));
         Some(table)
     }
 
-    /// Of a model that depends on the offset; `None` for the others.
+    /// The table of a model that depends on the offset; `None` for the others.
     pub fn new(fibre: &Fibre) -> Option<Self> {
         let width = match fibre {
             Fibre::Chiang(model) => 1.8 * model.scale,
             Fibre::Medulla(model) => model.parts.width[1],
             _ => return None,
         };
-        // Two MiB as halves at the most.
+        // At most two MiB as halves.
         let [phis, thetas, layers] = if width < 0.12 { [256, 78, 12] } else { [128, 64, 16] };
         let radius: Vec<f32> = (0..layers).map(|k| (k as f32 / (layers - 1) as f32).sqrt()).collect();
         let rows: Vec<Vec<[f32; 4]>> = (0..thetas)
@@ -89,12 +87,12 @@ impl FarTable {
         Some(table)
     }
 
-    /// Layers by absorption.
+    /// Number of layers that vary the transmittance.
     pub fn absorptions(&self, fibre: &Fibre) -> usize {
         self.layers - usize::from(matches!(fibre, Fibre::Medulla(_)))
     }
 
-    /// The four functions for the transmittance of one diameter; `k` counts azimuths, `theta` is the eye's inclination.
+    /// The four functions for transmittance `through` of one diameter; `k` is the index of the azimuth, `theta` is θ_o.
     fn at(&self, absorptions: usize, through: f32, theta: f32, k: usize) -> [f32; 4] {
         let split = |x: f32, n: usize| {
             let x = x.clamp(0.0, 1.0) * (n - 1) as f32;
@@ -112,7 +110,7 @@ impl FarTable {
 }
 
 impl FarTable {
-    /// What the shaders read of the table: f cos(theta_i) of the far field. 0 for models without a table.
+    /// f cos θ_i of the far field from the table, as the shaders evaluate it; 0 for models without a table.
     pub fn scatter(&self, fibre: &Fibre, a: &Angles, tint: Vec3) -> Vec3 {
         let (absorption, along) = match fibre {
             Fibre::Chiang(m) => (m.absorption, m.along(a)),
@@ -131,27 +129,27 @@ impl FarTable {
     }
 }
 
-/// What leaves a hair into one half of all directions.
+/// Light that a hair scatters into one half of all directions.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Hemisphere {
-    /// Part of the light.
+    /// Directional albedo into this half.
     pub albedo: Vec3,
-    /// Mean of theta_i + theta_o, radians: 0 on the mirror cone.
+    /// Mean of θ_i + θ_o, radians; 0 on the mirror cone.
     pub shift: f32,
-    /// Its standard deviation, radians.
+    /// Standard deviation of θ_i + θ_o, radians.
     pub width: f32,
 }
 
-/// Forward: light that goes on, |phi| > pi/2.
+/// Scattered light by halves; forward means |φ| > π/2.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Hemispheres {
-    /// Light that goes on.
+    /// Forward-scattered light.
     pub forward: Hemisphere,
-    /// Light that comes back.
+    /// Backward-scattered light.
     pub backward: Hemisphere,
 }
 
-/// Sums of one half.
+/// Moments of θ_i + θ_o over one half, of order 0, 1 and 2.
 #[derive(Default, Clone, Copy)]
 struct Moments([Vec3; 3]);
 
@@ -170,23 +168,22 @@ impl Moments {
     }
 }
 
-/// Steps of the quadrature over the light's inclination and half of the azimuths.
+/// Steps of the quadrature over θ_i and half of the azimuths.
 const STEPS: [usize; 2] = [256, 128];
 
-/// Directional albedos and lobes of a far field by halves; made once for a fibre, asked for many inclinations and colours.
+/// Evaluates directional albedos and lobes of a far field by halves; built once for a fibre, evaluated for many inclinations and colours.
 pub struct Albedos<'a> {
     fibre: &'a Fibre,
     table: Option<Arc<FarTable>>,
 }
 
 impl<'a> Albedos<'a> {
-    /// With the fibre's table, where it has one.
+    /// For a fibre, with its table if it has one.
     pub fn new(fibre: &'a Fibre) -> Self {
         Self { fibre, table: FarTable::shared(fibre) }
     }
 
-    /// Integrals of f cos over the directions of the other side, for an inclination `theta` (radians) of one side. Lossless models
-    /// give a sum of 1. For models that cannot be exchanged `theta` is the eye's.
+    /// Integrals of f cos θ_i over ω_i for an inclination `theta` of ω_o (radians). They sum to 1 for lossless models. For reciprocal models the two directions may be exchanged.
     pub fn hemispherical(&self, theta: f32, tint: Vec3) -> Hemispheres {
         let (absorption, table) = match (self.fibre, &self.table) {
             (Fibre::Chiang(m), Some(table)) => (&m.absorption, table),
@@ -208,7 +205,7 @@ impl<'a> Albedos<'a> {
                 _ => [0.0; 4],
             }
         };
-        // Longitudinal moments of the lobes; only R of a fibre with a medulla changes them with the azimuth.
+        // Longitudinal moments of the lobes. Only R of a fibre with a medulla depends on the azimuth.
         let moments = |phi: f32| {
             let mut sums = [[0f32; 3]; 4];
             let step = PI / STEPS[0] as f32;
@@ -221,7 +218,7 @@ impl<'a> Albedos<'a> {
                     (0..3).for_each(|n| sums[p][n] += w * x.powi(n as i32));
                 }
             }
-            // Sharp lobes fall between the steps.
+            // Normalised, because narrow lobes may fall between the steps.
             sums.map(|s| s.map(|x| x / s[0].max(1e-9)))
         };
         let fixed = moments(0.0);
@@ -262,5 +259,5 @@ impl<'a> Albedos<'a> {
     }
 }
 
-/// Middle of the azimuths of glints, radians.
+/// Mean azimuth of glints, radians.
 pub const MEAN_GLINT: f32 = 0.654_498_5;

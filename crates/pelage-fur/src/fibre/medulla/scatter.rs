@@ -1,4 +1,4 @@
-//! What happens to light that is scattered in the medulla: tables by our own Monte Carlo simulation, kept in the user's cache folder.
+//! Tables of the light scattered in the medulla, from a Monte Carlo simulation of our own, cached in the user's cache folder.
 
 use crate::fibre::lobes::choose;
 use rayon::prelude::*;
@@ -6,41 +6,41 @@ use sha2::{Digest, Sha256};
 use std::f32::consts::{PI, TAU};
 use std::path::{Path, PathBuf};
 
-/// Rows of the eye's inclination: even steps of its sine from 0 to 1.
+/// Rows by |sin θ_o|: even steps from 0 to 1.
 const THETAS: usize = 8;
-/// Rows of the offset: even steps from 0 to 1 of the medulla's radius.
+/// Rows by offset: even steps from 0 to 1 of the medulla's radius.
 const OFFSETS: usize = 16;
-/// Azimuths, all around.
+/// Azimuths around the full circle.
 const AROUND: usize = 72;
-/// Sines of the inclination, -1 to 1.
+/// Values of sin θ_i, even steps from −1 to 1.
 const ALONG: usize = 65;
-/// Paths a row.
+/// Simulated paths per row.
 const PATHS: u32 = 48_000;
 
-/// What the tables depend on.
+/// Parameters on which the tables depend.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Medium {
     /// Scattering coefficient, per radius of the medulla.
     pub scattering: f32,
-    /// Mean cosine of the Henyey-Greenstein function.
+    /// Mean cosine g of the Henyey–Greenstein phase function.
     pub anisotropy: f32,
     /// Index of refraction of the hair.
     pub ior: f32,
 }
 
-/// Densities of where scattered light leaves, by inclination and offset, and the mean way that it takes.
+/// Directional densities of scattered light, and the mean path length of scattered paths.
 // [Yan2017]: C_N, C_M and D
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterTable {
-    /// By inclination, offset and azimuth against the direction of entry; density over the azimuth.
+    /// Density over the azimuth relative to the direction of entry, [inclination][offset][azimuth].
     around: Vec<f32>,
-    /// By inclination and sine of the light's inclination; density over the sine.
+    /// Density over the sine of θ_i, [inclination][sine].
     along: Vec<f32>,
-    /// By inclination and offset: way in the medulla, by its radius.
-    way: Vec<f32>,
+    /// Mean path length in units of the medulla's radius, [inclination][offset].
+    path_length: Vec<f32>,
 }
 
-/// Two rows of a table and the weight of the second.
+/// The lower of the two rows to interpolate between, and the weight of the upper; `x` in 0..1.
 fn rows(x: f32, count: usize) -> (usize, f32) {
     let x = x.clamp(0.0, 1.0) * (count - 1) as f32;
     let row = (x as usize).min(count - 2);
@@ -50,8 +50,8 @@ fn rows(x: f32, count: usize) -> (usize, f32) {
 impl ScatterTable {
     const WORDS: usize = THETAS * (OFFSETS * (AROUND + 1) + ALONG);
 
-    /// From the cache in `folder` or made, and then kept there where that is possible. A file that is damaged or another's is made
-    /// again.
+    /// The tables of `medium`: read from the cache in `folder`, or simulated and then stored there if possible. A file that is damaged or has other parameters is replaced.
+    // [FIPS180-4] for the checksum
     pub fn cached(medium: Medium, folder: Option<&Path>) -> Self {
         let Some(folder) = folder else { return Self::simulate(medium) };
         let key = [medium.scattering, medium.anisotropy, medium.ior].map(f32::to_bits);
@@ -64,19 +64,19 @@ impl ScatterTable {
         }
         let table = Self::simulate(medium);
         let mut bytes = head;
-        for x in table.around.iter().chain(&table.along).chain(&table.way) {
+        for x in table.around.iter().chain(&table.along).chain(&table.path_length) {
             bytes.extend(x.to_le_bytes());
         }
         let sum = Sha256::digest(&bytes);
         bytes.extend_from_slice(&sum);
-        let kept =
+        let stored =
             std::fs::create_dir_all(folder).map_err(|e| pelage_core::Error::io(folder, e)).and_then(|()| {
                 pelage_core::files::write_atomically(&path, |file| {
                     Ok(std::io::Write::write_all(file, &bytes)?)
                 })
             });
-        if let Err(error) = kept {
-            tracing::debug!("the medulla's table is not kept: {error}");
+        if let Err(error) = stored {
+            tracing::debug!("the medulla's table could not be cached: {error}");
         }
         table
     }
@@ -89,25 +89,25 @@ impl ScatterTable {
         }
         let all: Vec<f32> = words.as_chunks::<4>().0.iter().map(|b| f32::from_le_bytes(*b)).collect();
         let (around, rest) = all.split_at(THETAS * OFFSETS * AROUND);
-        let (along, way) = rest.split_at(THETAS * ALONG);
-        Some(Self { around: around.to_vec(), along: along.to_vec(), way: way.to_vec() })
+        let (along, path_length) = rest.split_at(THETAS * ALONG);
+        Some(Self { around: around.to_vec(), along: along.to_vec(), path_length: path_length.to_vec() })
     }
 
-    /// Follows paths that are scattered at least once. Every row has random numbers of its own: the result is always the same.
+    /// Simulates paths that are scattered at least once. Every row has its own random numbers, so that the result is reproducible.
     pub fn simulate(medium: Medium) -> Self {
         let cells: Vec<Cell> = (0..THETAS * OFFSETS)
             .into_par_iter()
             .map(|i| simulate_cell(medium, i / OFFSETS, i % OFFSETS))
             .collect();
-        let mut table = Self { around: Vec::new(), along: Vec::new(), way: Vec::new() };
+        let mut table = Self { around: Vec::new(), along: Vec::new(), path_length: Vec::new() };
         for rows in cells.chunks(OFFSETS) {
             let mut along = vec![0.0; ALONG];
             let mut whole = 0.0;
             for cell in rows {
                 table.around.extend(cell.around.iter().map(|n| n / PATHS as f32 * AROUND as f32 / TAU));
-                table.way.push(cell.way / PATHS as f32);
+                table.path_length.push(cell.path_length / PATHS as f32);
                 whole += cell.probability;
-                // Where little is scattered, little counts.
+                // Rows are weighted by their probability of scattering.
                 along.iter_mut().zip(&cell.along).for_each(|(sum, n)| *sum += cell.probability * n);
             }
             let step = 2.0 / (ALONG - 1) as f32;
@@ -123,7 +123,7 @@ impl ScatterTable {
         theta * OFFSETS + offset
     }
 
-    /// Density of the azimuth `psi` (against the direction of entry) for a sine of the eye's inclination and an offset in -1..1.
+    /// Density of the azimuth `psi` relative to the direction of entry, for a sine of θ_o and an offset in −1..1.
     pub fn around(&self, sin_o: f32, offset: f32, psi: f32) -> f32 {
         let psi = if offset < 0.0 { -psi } else { psi };
         let ((t, tw), (k, kw)) = (rows(sin_o.abs(), THETAS), rows(offset.abs(), OFFSETS));
@@ -137,7 +137,7 @@ impl ScatterTable {
             + tw * ((1.0 - kw) * at(t + 1, k) + kw * at(t + 1, k + 1))
     }
 
-    /// An azimuth by [`ScatterTable::around`].
+    /// Samples an azimuth from [`ScatterTable::around`].
     pub fn sample_around(&self, sin_o: f32, offset: f32, u: [f32; 2]) -> f32 {
         let ((t, tw), (k, kw)) = (rows(sin_o.abs(), THETAS), rows(offset.abs(), OFFSETS));
         let (t_next, rest) = choose(&[1.0 - tw, tw], u[0]);
@@ -148,7 +148,7 @@ impl ScatterTable {
         if offset < 0.0 { -psi } else { psi }
     }
 
-    /// Density of the sine of the light's inclination.
+    /// Density of the sine of θ_i for a sine of θ_o.
     pub fn along(&self, sin_o: f32, sin_i: f32) -> f32 {
         let sin_i = if sin_o < 0.0 { -sin_i } else { sin_i };
         let ((t, tw), (k, kw)) = (rows(sin_o.abs(), THETAS), rows(0.5 * sin_i + 0.5, ALONG));
@@ -159,7 +159,7 @@ impl ScatterTable {
         at(t) * (1.0 - tw) + at(t + 1) * tw
     }
 
-    /// A sine by [`ScatterTable::along`].
+    /// Samples a sine from [`ScatterTable::along`].
     pub fn sample_along(&self, sin_o: f32, u: [f32; 2]) -> f32 {
         let (t, tw) = rows(sin_o.abs(), THETAS);
         let (next, rest) = choose(&[1.0 - tw, tw], u[0]);
@@ -178,39 +178,42 @@ impl ScatterTable {
         if sin_o < 0.0 { -sin } else { sin }
     }
 
-    /// Mean way in the medulla, by its radius.
-    pub fn way(&self, sin_o: f32, offset: f32) -> f32 {
+    /// Mean path length in the medulla, in units of its radius.
+    pub fn path_length(&self, sin_o: f32, offset: f32) -> f32 {
         let ((t, tw), (k, kw)) = (rows(sin_o.abs(), THETAS), rows(offset.abs(), OFFSETS));
-        let at = |t: usize| self.way[Self::node(t, k)] * (1.0 - kw) + self.way[Self::node(t, k + 1)] * kw;
+        let at = |t: usize| {
+            self.path_length[Self::node(t, k)] * (1.0 - kw) + self.path_length[Self::node(t, k + 1)] * kw
+        };
         at(t) * (1.0 - tw) + at(t + 1) * tw
     }
 }
 
-/// The folder of the user's cache: `$XDG_CACHE_HOME/pelage` or `~/.cache/pelage`.
+/// The user's cache folder: `$XDG_CACHE_HOME/pelage` or `~/.cache/pelage`.
 pub fn cache_folder() -> Option<PathBuf> {
     let absolute = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|p| p.is_absolute());
     let base = absolute("XDG_CACHE_HOME").or_else(|| Some(absolute("HOME")?.join(".cache")))?;
     Some(base.join("pelage"))
 }
 
-/// -1..1 by the triangular density.
+/// Samples the triangular density on −1..1.
 fn tent(u: f32) -> f32 {
     if u < 0.5 { (2.0 * u).sqrt() - 1.0 } else { 1.0 - (2.0 - 2.0 * u).max(0.0).sqrt() }
 }
 
-/// Counts of a row: each exit is shared by the two cells around it.
+/// Counts of one row. Each exit is shared linearly by the two nearest cells.
 struct Cell {
     around: Vec<f32>,
     along: Vec<f32>,
-    way: f32,
-    /// Of being scattered.
+    path_length: f32,
+    /// Probability that a pass is scattered.
     probability: f32,
 }
 
 struct Random(u64);
 
 impl Random {
-    /// 0..1, splitmix64
+    /// Uniform in [0, 1) by splitmix64.
+    // [Steele2014]
     fn next(&mut self) -> f32 {
         self.0 = self.0.wrapping_add(0x9e37_79b9_7f4a_7c15);
         let mut x = self.0;
@@ -220,7 +223,7 @@ impl Random {
     }
 }
 
-/// Reflections at the surface after which a path is let out.
+/// Internal reflections after which a path is let out.
 const MOST_BOUNCES: u32 = 200;
 
 fn simulate_cell(medium: Medium, theta: usize, offset: usize) -> Cell {
@@ -232,27 +235,27 @@ fn simulate_cell(medium: Medium, theta: usize, offset: usize) -> Cell {
     let half = (1.0 - h * h).sqrt();
     let chord = 2.0 * half / across;
     let probability = -(-sigma * chord).exp_m1();
-    let mut cell = Cell { around: vec![0.0; AROUND], along: vec![0.0; ALONG], way: 0.0, probability };
+    let mut cell = Cell { around: vec![0.0; AROUND], along: vec![0.0; ALONG], path_length: 0.0, probability };
     for _ in 0..PATHS {
-        // Place across the fibre; direction: axial, across.
+        // Position across the fibre; direction: axial component, then the two across.
         let mut p = [-half, h];
         let mut d = [axial, across, 0.0];
         let mut free = (-(-random.next() * probability).ln_1p() / sigma).min(0.9999 * chord);
         let mut bounces = 0;
         loop {
-            // How far to the surface.
+            // Distance to the surface.
             let a = d[1] * d[1] + d[2] * d[2];
             let b = p[0] * d[1] + p[1] * d[2];
             let c = p[0] * p[0] + p[1] * p[1] - 1.0;
             let out = ((b * b - a * c).max(0.0).sqrt() - b) / a.max(1e-9);
             if free < out {
-                cell.way += free;
+                cell.path_length += free;
                 p = [p[0] + free * d[1], p[1] + free * d[2]];
                 d = turn(d, medium.anisotropy, [random.next(), random.next()]);
                 free = -(1.0 - random.next()).ln() / sigma;
                 continue;
             }
-            cell.way += out;
+            cell.path_length += out;
             p = [p[0] + out * d[1], p[1] + out * d[2]];
             let sin = medium.ior * d[0];
             bounces += 1;
@@ -262,7 +265,7 @@ fn simulate_cell(medium: Medium, theta: usize, offset: usize) -> Cell {
                 share(&mut cell.around, psi * AROUND as f32, true);
                 break;
             }
-            // DEVIATION: [Yan2017] lets light out at any inclination; steeper than the critical angle it is guided on within the hair
+            // DEVIATION: [Yan2017] lets light leave at any inclination; beyond the critical angle it is reflected and guided within the hair.
             free -= out;
             let normal = p[0] * d[1] + p[1] * d[2];
             d = [d[0], d[1] - 2.0 * normal * p[0], d[2] - 2.0 * normal * p[1]];
@@ -272,6 +275,7 @@ fn simulate_cell(medium: Medium, theta: usize, offset: usize) -> Cell {
     cell
 }
 
+/// Adds 1 at position `x`, shared linearly by the two nearest cells.
 fn share(cells: &mut [f32], x: f32, wraps: bool) {
     let (k, f) = (x.floor() as usize, x.fract());
     let at = |k: usize| if wraps { k % cells.len() } else { k.min(cells.len() - 1) };
@@ -280,7 +284,8 @@ fn share(cells: &mut [f32], x: f32, wraps: bool) {
     cells[high] += f;
 }
 
-/// A direction turned by the Henyey-Greenstein function.
+/// Direction `d`, deflected by an angle sampled from the Henyey–Greenstein phase function.
+// [HenyeyGreenstein1941], [Pharr2023]
 fn turn(d: [f32; 3], g: f32, u: [f32; 2]) -> [f32; 3] {
     let cos = if g.abs() < 1e-3 {
         1.0 - 2.0 * u[0]
