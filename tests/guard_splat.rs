@@ -61,13 +61,13 @@ fn deposits_are_those_of_the_twin() {
         assert!(off < 1e-3 * total + 4.0 * found.len() as f64 / FIXED_POINT, "{guard}: {off} of {total}");
         // The result of the passes.
         let columns: Vec<Column> = fixture.read("columns", fixture.fur.lattice.columns as usize);
-        let coat = fixture.evaluated_undercoat();
+        let undercoat = fixture.evaluated_undercoat();
         let kept: Vec<u32> = fixture.read("lattice_extinction", found.len());
         let mut seen = [0.0f32; 2];
         for (i, word) in kept.iter().enumerate() {
             let (column, level) =
                 (i as u32 / (fixture.fur.lattice.levels + 1), i as u32 % (fixture.fur.lattice.levels + 1));
-            let wanted = extinction(&fixture.fur, &coat, &columns[column as usize], level, found[i]);
+            let wanted = extinction(&fixture.fur, &undercoat, &columns[column as usize], level, found[i]);
             let halves = [*word as u16, (*word >> 16) as u16].map(|h| half::f16::from_bits(h).to_f32());
             for k in 0..2 {
                 seen[k] = seen[k].max(wanted[k]);

@@ -13,7 +13,7 @@ use pelage_gpu::recorder::Timings;
 /// each the diameter (cm) and 1 - opacity.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`super::render`].
+/// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`crate::open`] and [`Prepared::new`].
 pub fn strands(world: &World) -> Result<HairFile> {
     let scene = &world.scene;
     if !groom::has_guard(scene) {
