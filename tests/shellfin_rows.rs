@@ -45,7 +45,7 @@ fn both(text: &str, source: BakeSource, disturb: impl Fn(&mut Fibre)) -> Option<
         maps: Maps { groom: &packed.groom, texels: &packed.texels },
         lights: &packed.lights,
         fibre: &fibre,
-        coat: &packed.undercoat_fibre,
+        undercoat: &packed.undercoat_fibre,
         table: &shells.table,
         vertices: &vertices,
         uv: &uv,

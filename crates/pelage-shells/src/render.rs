@@ -1,4 +1,4 @@
-//! Rendering any scene: hybrid fur, or shells and fins where `render.fur` says so.
+//! Renders any scene: hybrid fur, or shells and fins if `render.fur` asks for them.
 
 use crate::shellfin;
 use pelage_core::scene::FurLayers;
@@ -9,8 +9,7 @@ use pelage_render::{Frame, RenderOptions, drive, drive_on};
 
 /// Renders `world` on the adapter chosen by the environment (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF).
 ///
-/// A device that is lost is opened again once, and the rendering goes on with the tile that was lost. If that fails
-/// too, the frame holds the tiles that are done, and the fault.
+/// A lost device is reopened once, and rendering continues with the tile that was lost. If it is lost again, the frame holds the finished tiles and the error.
 ///
 /// # Errors
 /// [`Error::Adapter`](pelage_core::Error::Adapter) without a sufficient adapter,
@@ -21,7 +20,7 @@ pub fn render(world: &World, options: &RenderOptions<'_>) -> Result<Frame> {
     render_with(&pelage_render::open, world, options)
 }
 
-/// Renders `world` on a device that `open` opens; it is called again if that one is lost.
+/// Renders `world` on a device that `open` opens; `open` is called again if the device is lost.
 ///
 /// # Errors
 /// As [`render`].
@@ -33,7 +32,7 @@ pub fn render_with(
     drive(open, world, options, run_of(world))
 }
 
-/// Renders `world` on an open device; if it is lost, the frame holds the tiles that are done, and the fault.
+/// Renders `world` on an open device. If the device is lost, the frame holds the finished tiles and the error.
 ///
 /// # Errors
 /// As [`render`].

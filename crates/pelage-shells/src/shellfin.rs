@@ -1,7 +1,5 @@
-//! Shells and fins: the real-time image of a fur, drawn by the rasteriser with baked textures. The order of drawing, the
-//! fins' fade, lighting by a table and levels of detail are those of Lengyel et al. 2001; the silhouette test by a threshold and shells
-//! without depth writing those of NVIDIA's sample; forces and the shadow between hairs those of the xbdev tutorial.
-// [Lengyel2001], [Tariq2007], [Xbdev]
+//! Shells and fins: the real-time image of a fur, rasterised with baked textures.
+// Drawing order, the fade of the fins, lighting by a table and levels of detail: [Lengyel2001]. Silhouette test by a threshold and shells without depth writing: [Tariq2007]. Forces and shadows between hairs: [Xbdev].
 
 mod geometry;
 mod picture;
@@ -30,13 +28,13 @@ use pelage_gpu::recorder::{RasterTargets, Timings};
 use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use pelage_render::prepare::Prepared;
 
-/// How far the direction of hairs strays that did not grow from the groom, tangent of the angle: seen along it they still hide something.
+/// Standard deviation per axis of the direction of hairs that do not grow from a groom, as the tangent of the angle. Because of it, hair seen along its length still has coverage.
 const STRAY: f32 = 0.3;
 
-/// Depth of fur that a fin stands for, by the mean length of an edge: with it fins on a ball cover what its hybrid fur covers.
+/// Depth of fur that a fin represents, relative to the mean edge length. With this value the fins on a ball cover as much as its hybrid fur.
 pub(crate) const FIN_SPACING: f32 = 0.4;
 
-/// A fur as shells and fins on the GPU.
+/// A fur as shells and fins, on the GPU.
 pub struct Shellfins<'g> {
     gpu: &'g Gpu,
     world: &'g World,
@@ -45,67 +43,65 @@ pub struct Shellfins<'g> {
     pass_raster: ShellfinRaster,
     textures: textures::Uploaded,
     means: Vec<Means>,
-    /// Layers of the textures.
+    /// Number of texture layers.
     layers: u32,
     base: Shellfin,
     buffers: Vec<Buffer>,
     edges: u32,
     shell_triangles: u32,
-    /// Depth of fur that a fin stands for, by that of its texture.
+    /// Depth of fur that a fin represents, relative to that of its texture.
     pub fin_depth: f32,
-    /// The middle of the skin's bounds, and their diameter, cm.
+    /// Centre of the skin's bounding box, and the length of its diagonal, cm.
     bounds: (Vec3, f32),
 }
 
-/// What changes from frame to frame beside the camera.
+/// What changes from frame to frame besides the camera.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pose {
-    /// Displacement of the tips by forces, cm, world space. What is longer than the fur is high counts as long as that, and hair
-    /// that `shells.length` shortens is bent less in the same proportion.
+    /// Displacement of the tips by forces, cm, world space. It is limited to the height of the fur; where `shells.length` shortens the hair it is scaled down in proportion.
     pub bend: Vec3,
 }
 
 impl Pose {
-    /// `time` s after the scene's first frame, for fur `height` cm high ([`Shellfins::height`]). At time 0 the hair rests under gravity
-    /// and the mean wind.
+    /// The pose `time` s after the scene's first frame, for fur `height` cm high ([`Shellfins::height`]). At time 0 the hair is at rest under gravity and the mean wind.
     // [Xbdev]
     pub fn at(world: &World, time: f64, height: f32) -> Self {
         let scene = &world.scene;
         Self { bend: dynamics::bend(&scene.shells.dynamics, &scene.animation.motion, height, time) }
     }
 
-    /// The displacement in heights of the fur, at most 1 long.
+    /// The displacement in units of the fur's height, at most 1 long.
     pub fn by_height(&self, height: f32) -> Vec3 {
         (self.bend / height.max(1e-6)).clamp_length_max(1.0)
     }
 }
 
-/// A frame's own rows.
+/// The rows of one frame.
 pub struct Rows {
-    /// What is drawn, as uploaded.
+    /// Parameters, as uploaded.
     pub shellfin: Shellfin,
     /// The rows, shells first.
     pub rows: Vec<ShellRow>,
-    /// What is drawn, in numbers.
+    /// Numbers of primitives to draw.
     pub draws: Draws,
     buffers: [Buffer; 4],
 }
 
-/// Variance of the direction of hairs that are not guard hairs, an axis, `height` cm above the skin.
+/// Variance per axis of the direction of hairs other than guard hairs, `height` cm above the skin.
 pub(crate) fn stray_variance(world: &World, source: BakeSource, height: f32) -> f32 {
     if source != BakeSource::Hybrid {
         return STRAY * STRAY;
     }
-    // As the undercoat's tangents are turned at random (shaders/shared/volume.wgsl).
-    let coat = &world.scene.undercoat;
-    let t = (height / coat.height.max().max(1e-6)).min(1.0);
-    (coat.tangent_jitter * t.powf(coat.jitter_exponent)).powi(2) / 3.0
+    // Same as the random rotation of the undercoat's tangents (shaders/shared/clumps.wgsl).
+    let undercoat = &world.scene.undercoat;
+    let t = (height / undercoat.height.max().max(1e-6)).min(1.0);
+    (undercoat.tangent_jitter * t.powf(undercoat.jitter_exponent)).powi(2) / 3.0
 }
 
-/// The textures that the scene names, or those that it says to bake.
+/// Loads the textures that the scene names, or else bakes those that it describes.
 ///
 /// # Errors
-/// [`Error::Scene`] or [`Error::Io`] if the named files are missing or broken, and what [`crate::bake::bake`] returns.
+/// [`Error::Scene`] or [`Error::Io`] if the named files are missing or damaged, and the errors of [`crate::bake::bake`].
 pub fn textures(world: &World) -> Result<FurTextures> {
     match &world.textures {
         Some(manifest) => crate::bake::load(manifest),
@@ -114,8 +110,7 @@ pub fn textures(world: &World) -> Result<FurTextures> {
 }
 
 impl<'g> Shellfins<'g> {
-    /// Lays `textures` on the skin and uploads everything that stays from frame to frame. `frame` is the first view: the light on
-    /// the skin is that of its eye.
+    /// Maps `textures` to the skin and uploads everything that is constant over frames. `frame` is the first view, for which the light on the skin is computed.
     ///
     /// # Errors
     /// [`Error::Scene`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -147,7 +142,7 @@ impl<'g> Shellfins<'g> {
             })?,
         };
         let mut corners = corners(skin, &corner_uv);
-        // The shells of overlapping patches have corners of their own, after those of the skin.
+        // With overlapping patches, shells have their own corners after those of the skin.
         let first_corner = if overlapping.points == 0 { 0 } else { corners.len() };
         corners.append(&mut overlapping.corners);
         let shell_triangles = ((corners.len() - first_corner) / 3) as u32;
@@ -166,7 +161,7 @@ impl<'g> Shellfins<'g> {
             })
             .collect();
         let strokes = brushes.len() as u32;
-        // A binding holds one element at least.
+        // A binding needs at least one element.
         brushes.resize(brushes.len().max(1), Brush::zeroed());
         let manifest = &textures.manifest;
         let hybrid = manifest.source == BakeSource::Hybrid;
@@ -244,7 +239,7 @@ impl<'g> Shellfins<'g> {
         })
     }
 
-    /// The skin and the light in its fur.
+    /// The prepared skin with the light in its fur.
     pub fn prepared(&self) -> &Prepared<'g> {
         &self.prepared
     }
@@ -254,12 +249,12 @@ impl<'g> Shellfins<'g> {
         self.base.height
     }
 
-    /// Edges that may carry fins; 0 without fins.
+    /// Number of edges that may carry fins; 0 without fins.
     pub fn edges(&self) -> u32 {
         self.edges
     }
 
-    /// A buffer that stays from frame to frame: `fur_corners`, `fin_edges`, `outlines`, `brushes`, `vertex_uv`.
+    /// A buffer that is constant over frames: `fur_corners`, `fin_edges`, `outlines`, `brushes`, `vertex_uv`.
     pub fn buffer(&self, name: &str) -> Option<&Buffer> {
         self.buffers.iter().find(|b| b.name == name)
     }
@@ -319,7 +314,7 @@ impl<'g> Shellfins<'g> {
         recorder.submit(timings)
     }
 
-    /// Everything that stays from frame to frame, by name.
+    /// All resources that are constant over frames, by name.
     pub fn scope(&self) -> Scope<'_> {
         self.prepared
             .rows_scope()
@@ -333,7 +328,7 @@ impl<'g> Shellfins<'g> {
 }
 
 impl Rows {
-    /// A buffer by its name: `shellfin`, `shell_rows`, `row_positions`, `row_lights`.
+    /// A buffer by name: `shellfin`, `shell_rows`, `row_positions`, `row_lights`.
     pub fn buffer(&self, name: &str) -> Option<&Buffer> {
         self.buffers.iter().find(|b| b.name == name)
     }

@@ -1,48 +1,48 @@
-//! Shells and fins, drawn: the skin, fins at the silhouette, shells from the skin outwards.
+//! Draws shells and fins: the skin, fins at the silhouette, then textured shells from the skin outwards.
 
 use pelage_core::Result;
 use pelage_gpu::kernel::Target;
 use pelage_gpu::recorder::RasterTargets;
 use pelage_gpu::{Gpu, Kernel, RasterKernel, Recorder, Scope};
 
-/// Shells and fins, drawn.
+/// The raster kernels of skin, fins and shells, and the conversion to samples.
 pub struct ShellfinRaster {
     skin: RasterKernel,
     fins: RasterKernel,
-    /// Testing depth only, and writing it.
+    /// Without and with depth writing.
     shells: [RasterKernel; 2],
     to_samples: Kernel,
 }
 
-/// What a frame draws.
+/// What is drawn in a frame.
 #[derive(Debug, Clone, Copy)]
 pub struct Draws {
     /// Triangles of the skin.
     pub triangles: u32,
-    /// Edges, or 0 without fins.
+    /// Edges that may carry fins; 0 without fins.
     pub edges: u32,
-    /// Rows of a fin, skin and tip included.
+    /// Rows of vertices of a fin, skin and tip included.
     pub fin_rows: u32,
-    /// Shells, or 0.
+    /// Number of textured shells; may be 0.
     pub shells: u32,
-    /// Triangles of a shell: those of the skin, or of all patches where they overlap.
+    /// Triangles of a shell: those of the skin, or of all patches if they overlap.
     pub shell_triangles: u32,
-    /// Shells write depth.
+    /// Whether shells write depth.
     pub depth_write: bool,
 }
 
-/// What the kernels are compiled for; what a scene does not use costs nothing then.
+/// Features for which the kernels are compiled; unused ones cost nothing.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Uses {
-    /// Guard hairs have layers of their own.
+    /// Guard hairs have texture layers of their own.
     pub guard: bool,
-    /// Levels of detail blend.
+    /// Levels of detail are blended.
     pub detail: bool,
-    /// Shadow between hairs.
+    /// Hairs cast shadows on one another.
     pub shadow: bool,
-    /// Points of the outline that masks a patch; 0 where patches do not overlap.
+    /// Points of the outline that masks a patch; 0 if patches do not overlap.
     pub outline: u32,
-    /// Colour or length come from an image or vertex colours.
+    /// Colour or length come from an image or from vertex colours.
     pub mapped: bool,
 }
 
@@ -50,7 +50,7 @@ impl ShellfinRaster {
     /// Compiles the kernels.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with the file and line of an error in the shader.
     pub fn new(gpu: &Gpu, uses: Uses) -> Result<Self> {
         let number = |b: bool| f64::from(u8::from(b));
         let constants = [
@@ -73,7 +73,7 @@ impl ShellfinRaster {
         })
     }
 
-    /// Draws a frame in the order of Lengyel et al. 2001: skin, fins, shells. In scope: the rows, textures and samplers.
+    /// Draws a frame in the order skin, fins, shells. Rows, textures and samplers must be in scope.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.
@@ -98,7 +98,7 @@ impl ShellfinRaster {
         Ok(())
     }
 
-    /// Turns the drawn picture into `samples` of the film.
+    /// Converts the drawn image to `samples` samples of the film.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.

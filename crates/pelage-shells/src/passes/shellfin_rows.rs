@@ -1,10 +1,10 @@
-//! Shells and fins: rows of vertices above the skin, and their light.
+//! Places and lights the rows of vertices above the skin for shells and fins.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 use pelage_render::passes::Variant;
 
-/// Shells and fins: rows of vertices above the skin, and their light.
+/// The kernel that places and lights rows of vertices.
 pub struct ShellfinRows {
     main: Kernel,
 }
@@ -13,14 +13,14 @@ impl ShellfinRows {
     /// Compiles the kernel.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] with file and line of a fault in the shader.
+    /// [`pelage_core::Error::Gpu`] with the file and line of an error in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
             main: Kernel::specialised(gpu, "shellfin_rows", "main", &[variant.guard(), variant.undercoat()])?,
         })
     }
 
-    /// Writes `row_positions` and `row_lights`, `rows` times the skin's `vertices`.
+    /// Writes `row_positions` and `row_lights`, [row][vertex of the skin].
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.

@@ -1,4 +1,4 @@
-//! Pictures of shells and fins: the rasteriser's image as samples of the film, tile by tile.
+//! Pictures of shells and fins: converts the rasterised image to samples of the film, tile by tile.
 
 use super::{Pose, Rows, Shellfins};
 use glam::Vec2;
@@ -15,7 +15,7 @@ use pelage_render::{Job, RenderOptions, Rendering, SamplePlan, known_stats, writ
 /// Bytes of a sample: colour, depth, film sample.
 const SAMPLE_BYTES: u64 = 8 + 4 + 32;
 
-/// Colour and depth of a size.
+/// Colour and depth targets of a fixed size.
 pub struct Pictures {
     color: wgpu::TextureView,
     depth: wgpu::TextureView,
@@ -23,7 +23,7 @@ pub struct Pictures {
 }
 
 impl Pictures {
-    /// Room for `size` samples.
+    /// Creates targets for `size` samples.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
@@ -48,12 +48,12 @@ impl Pictures {
         Ok(pictures)
     }
 
-    /// Colour and depth.
+    /// The views of colour and depth.
     pub fn views(&self) -> [&wgpu::TextureView; 2] {
         [&self.color, &self.depth]
     }
 
-    /// What raster passes write to: the first `size` samples.
+    /// The targets of raster passes, limited to the first `size` samples.
     pub fn targets(&self, size: [u32; 2]) -> RasterTargets<'_> {
         let size = [size[0].min(self.size[0]), size[1].min(self.size[1])];
         RasterTargets { ids: &self.color, depth: &self.depth, size }
@@ -63,7 +63,7 @@ impl Pictures {
 /// Renders shells and fins: the [`Run`](pelage_render::driver::Run) of `render.fur = "shells"`.
 ///
 /// # Errors
-/// As [`crate::render::render`]; what [`super::textures`] and [`Shellfins::new`] return.
+/// As [`crate::render::render`], and those of [`super::textures`] and [`Shellfins::new`].
 pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
     let Rendering { film, done, timings, .. } = &mut *rendering;
     let complete = render_tiles(gpu, world, options, film, done, timings)?;
@@ -77,7 +77,7 @@ pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &Render
     Ok(complete)
 }
 
-/// Renders the tiles of a film that are not done yet, from `*done` on, which it counts up. False if it was cancelled.
+/// Renders the remaining tiles of a film, starting with `*done`, which it increments. Returns false if cancelled.
 fn render_tiles(
     gpu: &Gpu,
     world: &World,
@@ -122,7 +122,7 @@ fn render_tiles(
     Ok(true)
 }
 
-/// The tiles that the memory budget and the adapter's textures allow.
+/// Tiles that fit the memory budget and the adapter's texture size.
 fn jobs(
     gpu: &Gpu,
     world: &World,
@@ -145,7 +145,7 @@ fn jobs(
     Ok(Job::grid([film.width, film.height], edge.min(wanted), crop))
 }
 
-/// A tile in work.
+/// The tile that is being rendered.
 struct Tile<'a> {
     gpu: &'a Gpu,
     world: &'a World,
@@ -169,7 +169,7 @@ impl Tile<'_> {
         frame
     }
 
-    #[allow(clippy::too_many_arguments)] // Each is a different thing that the pass needs.
+    #[allow(clippy::too_many_arguments)] // Each is a different input of the pass.
     fn render(
         &self,
         pass: usize,

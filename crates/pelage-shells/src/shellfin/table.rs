@@ -1,19 +1,19 @@
-//! Hair lighting as a table.
+//! Hair lighting by table.
 
 use pelage_core::scene::LightingTable;
 use pelage_fur::layout;
 
-/// Edge of the table.
+/// Entries along each axis of the table.
 pub const EDGE: usize = 32;
 
-/// Light that a hair sends to the eye, times its colour and the light's irradiance; `u` = T·L, `v` = T·H.
+/// Reflected light of a hair, per unit colour and irradiance; `u` = T·L, `v` = T·H.
 // [Lengyel2001] sec. 4.4; [Banks1994]
 pub fn hair_lighting(t: &LightingTable, u: f32, v: f32) -> f32 {
     let lobe = |x: f32, exponent: f32| (1.0 - x * x).max(0.0).powf(0.5 * exponent);
     t.ambient + t.diffuse * lobe(u, t.diffuse_exponent) + t.specular * lobe(v, t.specular_exponent)
 }
 
-/// The 32 x 32 table, u along rows from -1 to 1, v upwards, four values a vector as the shader reads it.
+/// The table of 32 x 32 entries, packed four to a vector as the shader reads it; u varies along rows from −1 to 1, v from row to row.
 pub fn lighting_table(t: &LightingTable) -> layout::LightingTable {
     let at = |i: usize| 2.0 * i as f32 / (EDGE - 1) as f32 - 1.0;
     let mut values = [[0.0; 4]; EDGE * EDGE / 4];

@@ -1,43 +1,41 @@
-//! Baked textures on the GPU: one array of layers for all levels of detail, with mips.
+//! Baked textures on the GPU: one array texture for the layers of all levels of detail, with mips.
 
 use crate::bake::{FurTextures, Texture, lod, mips};
 use half::f16;
 use pelage_core::{Error, Result};
 use pelage_gpu::Gpu;
 
-/// Textures and samplers.
+/// The uploaded textures and their samplers.
 pub(super) struct Uploaded {
     /// Layers of all levels of detail, one level after the other.
     pub layers: wgpu::TextureView,
-    /// The guard hairs' part of them, or one empty texel.
+    /// Contribution of the guard hairs to the layers, or one empty texel.
     pub guard: wgpu::TextureView,
-    /// The fin, and the guard hairs' part of it.
+    /// The fin, and the guard hairs' contribution to it.
     pub fin: wgpu::TextureView,
-    /// Repeats along u and v.
+    /// Repeats along u and v, for layers.
     pub repeating: wgpu::Sampler,
-    /// Repeats along u.
+    /// Repeats along u and clamps along v, for fins.
     pub upright: wgpu::Sampler,
 }
 
-/// Means of a layer: colours, linear RGB, and coverage.
+/// Means of a layer: colours (linear RGB) and coverage.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Means {
-    /// Of what is not guard hair.
+    /// Mean colour of everything but guard hair.
     pub undercoat: [f32; 3],
-    /// Of the guard hairs.
+    /// Mean colour of the guard hairs.
     pub guard: [f32; 3],
-    /// Coverage.
+    /// Mean coverage.
     pub coverage: f32,
-    /// Part of it that is guard hair.
+    /// Fraction of the coverage that is guard hair.
     pub share: f32,
 }
 
-/// Rows of texels that a fin keeps in its coarsest mip: the light on it changes much from skin to tip, so that what lies at different
-/// heights must not be mixed.
+/// Rows of texels in the coarsest mip of a fin. Light on a fin varies strongly from skin to tip, so that different heights must not be mixed.
 pub(crate) const FIN_TEXELS: u32 = 8;
 
-/// The fin and the guard hairs' part of it, of a slab of fur `times` as deep. It is done before mips are made: what the mean lets through to
-/// that power would be less.
+/// The fin and the guard hairs' contribution to it, for a slab of fur `times` as deep: transmittances are raised to that power. This must be done before mips are made, because the power of a mean is not the mean of the powers.
 pub fn deepened(textures: &FurTextures, times: f32) -> [Texture; 2] {
     let factor = |coverage: f32| (1.0 - (1.0 - coverage).max(0.0).powf(times)) / coverage.max(1e-6);
     let scaled = |part: &Texture| {
@@ -47,7 +45,7 @@ pub fn deepened(textures: &FurTextures, times: f32) -> [Texture; 2] {
     [scaled(&textures.fin), scaled(&textures.fin_guard)]
 }
 
-/// Uploads all levels of detail with their mips, and `fins`, the whole and the guard hairs' part.
+/// Uploads all levels of detail with their mips, and the fin textures (whole, guard hairs' contribution). Returns the means of all layers too.
 pub(super) fn upload(
     gpu: &Gpu,
     textures: &FurTextures,
@@ -75,7 +73,7 @@ pub(super) fn upload(
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             lod_max_clamp: coarsest,
-            // On software adapters it costs more than ten times the rest; pictures made there have more samples instead.
+            // On software adapters anisotropic filtering costs more than ten times everything else; images rendered there have more samples instead.
             anisotropy_clamp: if gpu.software { 1 } else { 8 },
             ..Default::default()
         })
@@ -107,21 +105,26 @@ fn means(whole: &Texture, guard: Option<&Texture>) -> Means {
     }
 }
 
-/// An array texture with all mips.
+/// Uploads an array texture with all mips.
 fn array(gpu: &Gpu, name: &'static str, layers: &[&Texture]) -> Result<wgpu::TextureView> {
     let [width, height] = [layers[0].width, layers[0].height];
     let limit = gpu.limits.max_texture_array_layers;
     if layers.len() as u32 > limit {
         return Err(Error::gpu(
             "shellfin_raster",
-            format!("{} layers with their levels of detail, the adapter has room for {limit}", layers.len()),
+            format!(
+                "found {} layers including levels of detail, the adapter supports at most {limit}",
+                layers.len()
+            ),
         ));
     }
     let side = gpu.limits.max_texture_dimension_2d;
     if width.max(height) > side {
         return Err(Error::gpu(
             "shellfin_raster",
-            format!("a texture of {width}x{height} texels, the adapter takes {side} a side"),
+            format!(
+                "found a texture of {width} x {height} texels, the adapter supports at most {side} per side"
+            ),
         ));
     }
     let levels = mips::levels([width, height]);

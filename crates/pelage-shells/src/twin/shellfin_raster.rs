@@ -1,5 +1,4 @@
-//! Twin of `shaders/shellfin_raster.wgsl`: the picture of skin, fins and shells, sample by sample and triangle by triangle in the order
-//! of drawing. Textures are read at their finest level only: compare where they are magnified, or even.
+//! Twin of `shaders/shellfin_raster.wgsl`: the image of skin, fins and shells, sample by sample and triangle by triangle in drawing order. Textures are read at their finest level only, so comparisons need magnified or uniform textures.
 
 use crate::bake::Texture;
 use crate::lapped::contains;
@@ -12,14 +11,14 @@ use pelage_fur::random::{hash2, random};
 use pelage_fur::view::sample_ray;
 use pelage_render::twin::base_raster::{Projected, plane_depth, project};
 
-/// As in the shader.
+/// Coverage below which a fragment is discarded, as in the shader.
 const LEAST_COVERAGE: f32 = 0.002;
 
-/// What the pass reads.
+/// Inputs of the pass.
 pub struct Picture<'a> {
-    /// What is drawn.
+    /// Parameters of shells and fins.
     pub shellfin: &'a Shellfin,
-    /// What is drawn, in numbers.
+    /// Numbers of primitives to draw.
     pub draws: Draws,
     /// The view.
     pub frame: &'a Frame,
@@ -27,25 +26,25 @@ pub struct Picture<'a> {
     pub vertices: &'a [ShellVertex],
     /// Radiance of the skin at its vertices.
     pub base_light: &'a [Vec3],
-    /// Three a triangle: of the skin, then of the shells where patches overlap.
+    /// Three corners per triangle: of the skin, then of the shells if patches overlap.
     pub corners: &'a [FurCorner],
-    /// Outlines of overlapping patches; empty where they do not overlap.
+    /// Outlines of overlapping patches; empty if they do not overlap.
     pub outlines: &'a [Vec<Vec2>],
-    /// Edges with both faces.
+    /// Edges with both adjacent faces.
     pub edges: &'a [FinEdge],
     /// The rows.
     pub rows: &'a [ShellRow],
-    /// Row by row, a vertex of the skin each.
+    /// Vertices of the rows, [row][vertex of the skin].
     pub row_vertices: &'a [RowVertex],
     /// Layers of all levels of detail.
     pub layers: &'a [Texture],
-    /// The guard hairs' part; empty without.
+    /// Contribution of the guard hairs to the layers; empty if they are not separate.
     pub guard_layers: &'a [Texture],
-    /// The fin, and the guard hairs' part of it, as deep as they are drawn.
+    /// The fin and the guard hairs' contribution to it, deepened as for drawing.
     pub fin: [&'a Texture; 2],
 }
 
-/// A vertex as the fragments interpolate it.
+/// Interpolated attributes of a vertex.
 #[derive(Clone, Copy)]
 struct Varying {
     position: Vec3,
@@ -61,15 +60,15 @@ struct Varying {
 /// A sample of the picture.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pixel {
-    /// Premultiplied.
+    /// Premultiplied colour and coverage.
     pub color: Vec4,
-    /// Of the skin and of shells that write it, cm; infinite where there is none.
+    /// Depth of the skin and of shells that write it, cm; infinite if there is none.
     pub depth: f32,
-    /// Distance to the nearest edge of a triangle that was or was not drawn here, samples.
+    /// Distance to the nearest edge of any triangle that was tested here, in samples.
     pub margin: f32,
 }
 
-/// Bilinear lookup; wraps along u, and along v too if `wrap`.
+/// Bilinear lookup; wraps along u, and along v if `wrap`.
 pub fn bilinear(texture: &Texture, uv: Vec2, wrap: bool) -> Vec4 {
     let (w, h) = (texture.width as i64, texture.height as i64);
     let p = uv * Vec2::new(w as f32, h as f32) - 0.5;
@@ -84,7 +83,7 @@ pub fn bilinear(texture: &Texture, uv: Vec2, wrap: bool) -> Vec4 {
     texel(0, 0).lerp(texel(1, 0), f.x).lerp(texel(0, 1).lerp(texel(1, 1), f.x), f.y)
 }
 
-/// How much of a fin shows.
+/// Opacity of a fin, 0..1, seen from `eye`.
 // [Lengyel2001] sec. 4.2, [Tariq2007]
 pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, eye: Vec3) -> f32 {
     let at = |v: u32| Vec3::from(vertices[v as usize].position);
@@ -106,19 +105,19 @@ pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, e
     }
 }
 
-/// Mean sine of the angle between a look and hairs that spread about a direction with `variance` an axis.
+/// Root mean square sine of the angle between the view direction and hairs whose directions vary around `tangent` with `variance` per axis.
 fn spread_sine(tangent: Vec3, view: Vec3, variance: f32) -> f32 {
     let c = tangent.normalize().dot(view);
     (1.0 - (c * c + variance * (1.0 - c * c)) / (1.0 + 2.0 * variance)).max(0.0).sqrt()
 }
 
-/// Lit colour, premultiplied.
+/// Lit colour, premultiplied; `guard` is the guard hairs' contribution to `whole`.
 fn lit(whole: Vec4, guard: Vec4, at: &Varying) -> Vec4 {
     let fine = (whole.truncate() - guard.truncate()).max(Vec3::ZERO);
     (fine * at.undercoat + guard.truncate() * at.guard).extend(whole.w)
 }
 
-/// The same for a way `slant` times as long: the layer's mean transmittance is taken to that power.
+/// `color` for a path `slant` times as long through the layer, whose mean transmittance is raised to that power.
 fn slanted(row: &ShellRow, color: Vec4, slant: f32, at: &Varying) -> Vec4 {
     let mean_through = 1.0 - row.coverage.min(0.9999);
     if slant <= 1.0 {
@@ -130,7 +129,7 @@ fn slanted(row: &ShellRow, color: Vec4, slant: f32, at: &Varying) -> Vec4 {
     color + more * fog.extend(1.0)
 }
 
-/// A triangle ready to be drawn.
+/// A projected triangle.
 struct Ready {
     corners: [Varying; 3],
     on_film: Projected,
@@ -187,7 +186,7 @@ impl Picture<'_> {
         corners.chunks_exact(3).map(ready).collect()
     }
 
-    /// The two triangles of each pair of rows of a fin.
+    /// Two triangles for each pair of adjacent rows of a fin.
     fn fins(&self, edge: &FinEdge) -> Vec<Option<Ready>> {
         let width = Vec3::from(self.vertices[edge.a as usize].position)
             .distance(self.vertices[edge.b as usize].position.into());
@@ -251,7 +250,7 @@ impl Picture<'_> {
         lit(whole, guard, at) * fade
     }
 
-    /// The samples of the tile, row by row.
+    /// Draws the tile and returns its samples, row by row.
     pub fn draw(&self) -> Vec<Pixel> {
         let skin = self.skin();
         let eye = Vec3::from(self.frame.eye);
@@ -298,7 +297,7 @@ impl Picture<'_> {
         (p - Vec3::from(self.frame.eye)).dot(self.frame.forward.into())
     }
 
-    /// What a sample sees of a triangle that passes the depth test, and whether it sees the front.
+    /// Interpolated attributes of a triangle at a sample, and whether its front is visible; `None` if the sample is not covered or fails the depth test.
     fn hit(&self, triangle: &Ready, xy: [u32; 2], pixel: &mut Pixel) -> Option<(Varying, bool)> {
         let cover = triangle.on_film.cover(self.frame, xy);
         pixel.margin = pixel.margin.min(cover.margin.abs());
@@ -332,7 +331,7 @@ impl Picture<'_> {
     }
 }
 
-/// Lays a fragment over a pixel; false if it covers too little.
+/// Composites a fragment over a pixel; returns false if its coverage is too small.
 // [PorterDuff1984]
 fn over(pixel: &mut Pixel, color: Vec4) -> bool {
     if color.w < LEAST_COVERAGE {

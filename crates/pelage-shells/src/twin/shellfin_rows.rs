@@ -1,4 +1,4 @@
-//! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the skin, and how it is lit there.
+//! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the skin, and its light there.
 
 use crate::shellfin::hair_lighting;
 use glam::{Vec2, Vec3};
@@ -12,27 +12,27 @@ use pelage_fur::undercoat::scatter;
 use pelage_render::twin::film::halves;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
 
-/// What the pass reads.
+/// Inputs of the pass.
 pub struct Hair<'a> {
-    /// What is drawn.
+    /// Parameters of shells and fins.
     pub shellfin: &'a Shellfin,
-    /// Undercoat and lattice.
+    /// Parameters of undercoat, lattice and lights.
     pub fur: &'a FurParameters,
     /// Groom and maps.
     pub maps: Maps<'a>,
     /// All lights.
     pub lights: &'a [Light],
-    /// Scattering of guard hairs.
+    /// Scattering model of the guard hairs.
     pub fibre: &'a Fibre,
-    /// Scattering of the undercoat.
-    pub coat: &'a Fibre,
-    /// Lighting by table.
+    /// Scattering model of the undercoat.
+    pub undercoat: &'a Fibre,
+    /// Settings of the lighting table.
     pub table: &'a LightingTable,
     /// The skin's vertices.
     pub vertices: &'a [ShellVertex],
-    /// Their uv.
+    /// uv of the skin's vertices.
     pub uv: &'a [[f32; 2]],
-    /// Optical depths, pairs of halves.
+    /// Optical depths of the lattice, pairs of halves.
     pub tau: &'a [u32],
     /// Brush strokes.
     pub brushes: &'a [Brush],
@@ -43,15 +43,15 @@ pub struct Hair<'a> {
 /// A vertex of a row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RowVertex {
-    /// cm.
+    /// World space, cm.
     pub position: Vec3,
-    /// Of the hair, unit.
+    /// Tangent of the guard hairs, unit.
     pub tangent: Vec3,
-    /// Of what is not guard hair, unit.
+    /// Tangent of all other hair, unit.
     pub lean: Vec3,
-    /// Radiance by colour of what is not guard hair.
+    /// Radiance per unit colour of everything but guard hair.
     pub undercoat: Vec3,
-    /// Radiance by colour of the guard hairs.
+    /// Radiance per unit colour of the guard hairs.
     pub guard: Vec3,
 }
 
@@ -66,7 +66,7 @@ impl Hair<'_> {
         }
     }
 
-    /// The brushes' factor on the light of vertex `v`.
+    /// Factor of the brush strokes on the light of vertex `v`.
     fn tint(&self, v: usize) -> Vec3 {
         let at = self.point(v).position;
         let strokes = self.brushes[..self.shellfin.brushes as usize].iter();
@@ -76,7 +76,7 @@ impl Hair<'_> {
         })
     }
 
-    /// Tangent of the lean of vertex `v`'s hair, tangential.
+    /// Tangential lean of the hair of vertex `v`; its length is the tangent of the angle from the normal.
     pub fn lean(&self, v: usize) -> Vec3 {
         let at = self.point(v);
         let mut lean = Vec3::from(self.shellfin.comb);
@@ -90,7 +90,7 @@ impl Hair<'_> {
         lean.reject_from_normalized(at.normal)
     }
 
-    /// Where the hair is at row height `s`, relative to its root, by the height of the fur.
+    /// Position of the hair at row height `s` relative to its root, in units of the fur's height.
     fn hair(&self, v: usize, s: f32) -> Vec3 {
         let n = Vec3::from(self.vertices[v].normal);
         let lean = self.lean(v);
@@ -119,7 +119,7 @@ impl Hair<'_> {
         at(level) * (1.0 - f) + at(level + 1) * f
     }
 
-    /// The hair of vertex `v` at a row.
+    /// The hair of vertex `v` at a row: position, tangents and light.
     pub fn vertex(&self, v: usize, row: &ShellRow) -> RowVertex {
         let at = self.point(v);
         let n = at.normal;
@@ -162,7 +162,8 @@ impl Hair<'_> {
                 Vec3::from(light.irradiance) * (-depth * attenuation).exp()
             };
             if light.undercoat == 1 {
-                undercoat += through(row.undercoat) * scatter(self.coat, lean, l, view, row.undercoat.into());
+                undercoat +=
+                    through(row.undercoat) * scatter(self.undercoat, lean, l, view, row.undercoat.into());
             }
             if self.shellfin.guard == 1 {
                 for k in 0..4 {
@@ -178,7 +179,7 @@ impl Hair<'_> {
             }
         }
         let guard = guard / Vec3::from(row.guard).max(Vec3::splat(1e-3));
-        if !matches!(self.coat, Fibre::KajiyaKay(_)) {
+        if !matches!(self.undercoat, Fibre::KajiyaKay(_)) {
             undercoat /= Vec3::from(row.undercoat).max(Vec3::splat(1e-3));
         }
         let tint = self.tint(v);
@@ -186,7 +187,7 @@ impl Hair<'_> {
     }
 }
 
-/// A vertex as the buffers hold it.
+/// Unpacks a vertex from its buffers.
 pub fn unpack(position: [f32; 4], light: [u32; 4]) -> RowVertex {
     let [x, y, z, tangent] = position;
     let [r, g] = halves(light[0]);
@@ -201,7 +202,8 @@ pub fn unpack(position: [f32; 4], light: [u32; 4]) -> RowVertex {
     }
 }
 
-/// A unit vector in two halves of a word.
+/// Unpacks a unit vector from two signed normalised 16-bit integers.
+// [Meyer2010]
 fn unit(word: u32) -> Vec3 {
     let halves = [word as u16, (word >> 16) as u16].map(|half| (f32::from(half as i16) / 32767.0).max(-1.0));
     pelage_fur::octahedral::decode(Vec2::from(halves))
