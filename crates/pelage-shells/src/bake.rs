@@ -1,4 +1,4 @@
-//! Textures of hair for shells and fins: made from a groom, a particle system or dots, and written for real-time clients.
+//! Bakes textures of hair for shells and fins, from a groom, a particle system or dots, and writes them for real-time clients.
 
 pub mod compress;
 mod dots;
@@ -32,49 +32,41 @@ pub use voxels::{Block, Keep, Voxels, voxelise};
 use pelage_core::scene::BakeSource;
 use pelage_core::{Error, Result, Skin, World};
 
-/// An image that wraps around: linear RGB, premultiplied by coverage, and coverage.
+/// An image that wraps around: linear RGB premultiplied by coverage, and coverage.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Texture {
     /// Texels along u.
     pub width: u32,
     /// Texels along v (upwards in a fin).
     pub height: u32,
-    /// Row by row, v = 0 first; texel (i, j) is the cell around ((i + 0.5) / width, (j + 0.5) / height).
+    /// Texels, row by row with v = 0 first; texel (i, j) is centred on ((i + 0.5) / width, (j + 0.5) / height).
     pub texels: Vec<[f32; 4]>,
 }
 
-/// All textures of one fur.
+/// All textures of a fur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FurTextures {
-    /// The layers, innermost first, all of one size. Layer `l` stands for the slab of fur from `l` to `l + 1` spacings above the skin and is
-    /// drawn in its middle. Coverage is that of a look along the skin's normal with every hair seen from the side, 1 - exp(-tau).
-    /// For particles tau is the hairs' length x diameter in the texel's column over the texel's area. For a groom (`hybrid`) it is raised
-    /// where a hair lies deep in few texels, so that a hair alone covers its length x diameter: then the mean transmittance of a layer is
-    /// that of the fur, exp(-n d spacing), whatever the texels' size ([`Keep`]). Dots are opaque. The innermost layer is not made
-    /// opaque; the skin lies below it.
+    /// The layers, innermost first, all of one size. Layer `l` represents the slab of fur from `l` to `l + 1` spacings above the skin and is drawn in its middle. Coverage is 1 − exp(−τ), as seen along the skin's normal with every hair perpendicular to the view. For particles τ is the hairs' length x diameter in the texel's column over the texel's area. For a groom (`hybrid`) τ is raised where a hair is deep in few texels, so that a single hair covers its length x diameter; then the mean transmittance of a layer is that of the fur, exp(−n d spacing), for any size of texels ([`Keep`]). Dots are opaque. The innermost layer is not made opaque; the skin lies below it.
     pub layers: Vec<Texture>,
-    /// The part of each layer that is guard hair: its share of the premultiplied colour and of the coverage. Empty where the source knows one
-    /// kind of hair only.
+    /// Contribution of the guard hairs to the premultiplied colour and the coverage of each layer. Empty if the source has only one kind of hair.
     pub guard: Vec<Texture>,
-    /// Fin: u along the edge, wraps around; v from the skin to the tips, does not wrap. Coverage of a slab of hair seen across.
+    /// The fin: coverage of a slab of hair seen from the side. u runs along the edge and wraps around; v runs from the skin to the tips and does not.
     pub fin: Texture,
-    /// The guard hairs' part of the fin; 0 x 0 where `guard` is empty.
+    /// Contribution of the guard hairs to the fin; 0 x 0 if `guard` is empty.
     pub fin_guard: Texture,
-    /// What the textures mean.
+    /// Metadata of the textures.
     pub manifest: Manifest,
 }
 
-/// Most texels of all layers together: four bytes a channel, 2 GiB, twice that with the guard hairs' part.
+/// Largest number of texels in all layers: 2 GiB with four bytes per channel, twice that with the guard hairs' contribution.
 const MOST_TEXELS: u64 = 1 << 27;
 
-/// Bakes the textures that `world.scene.bake` describes. The same scene and seed give the same bytes for any number of threads; all
-/// textures wrap around, but for the fin's v.
+/// Bakes the textures that `world.scene.bake` describes. The same scene and seed give the same bytes for any number of threads. All textures wrap around, except along v of the fin.
 ///
-/// `hybrid` grows the scene's groom on the torus, upright: comb, lean and gravity are the renderer's part. Parameters that have a map are
-/// taken at their mean over the skin, each for itself. Hair above the height is left out; where that is more than a hundredth of a kind's
-/// length x diameter, or more than that of the tips, a note is logged.
+/// `hybrid` grows the scene's groom on the torus, upright: the renderer adds comb, lean and gravity. Mapped parameters are replaced by their means over the skin, each separately. Hair above the height is left out; if this is more than a hundredth of the length x diameter, a warning is logged.
 ///
-/// Errors: [`Error::Scene`] where there is no hair, where sizes are not positive, or where the layers would be too large.
+/// # Errors
+/// [`Error::Scene`] if there is no hair, if sizes are not positive, or if the layers would be too large.
 pub fn bake(world: &World) -> Result<FurTextures> {
     let scene = &world.scene;
     let spec = &scene.bake;
@@ -127,7 +119,7 @@ pub fn bake(world: &World) -> Result<FurTextures> {
     Ok(FurTextures { layers: voxels.layers, guard: voxels.guard, fin: fins.0, fin_guard: fins.1, manifest })
 }
 
-/// The hairs that `source = "particles"` grows in its box, with the box's edge and height, cm.
+/// The hairs that `source = "particles"` grows in its box, and the box's [edge, height] in cm.
 pub fn particle_hairs(world: &World) -> (Vec<Hair>, [f32; 2]) {
     let spec = &world.scene.bake;
     let skin = diameter(&world.skin);
@@ -137,7 +129,7 @@ pub fn particle_hairs(world: &World) -> (Vec<Hair>, [f32; 2]) {
     ((0..fur.count()).map(|i| fur.hair(i)).collect(), [patch, height])
 }
 
-/// Diameter of a skin, cm: twice the way from the middle of its bounds to its farthest vertex; 0 without vertices.
+/// Diameter of a skin, cm: twice the distance from the centre of its bounding box to its farthest vertex; 0 without vertices.
 pub fn diameter(skin: &Skin) -> f32 {
     let (low, high) = skin.bounds();
     let middle = 0.5 * (low + high);
@@ -166,7 +158,7 @@ fn check_sizes(layers: u32, resolution: [u32; 2], fin: [u32; 2]) -> Result<()> {
     let texels = u64::from(layers) * u64::from(resolution[0]) * u64::from(resolution[1]);
     if texels > MOST_TEXELS {
         let message = format!(
-            "{layers} layers of {} x {} are {texels} texels, expected at most {MOST_TEXELS}: ask for fewer or smaller layers",
+            "{layers} layers of {} x {} are {texels} texels, expected at most {MOST_TEXELS}: reduce bake.layers or bake.resolution",
             resolution[0], resolution[1]
         );
         return Err(Error::fault("bake.resolution", message));
@@ -179,12 +171,12 @@ fn note_hair_above(voxels: &Voxels, height: f32) {
     let part = voxels.above / total.max(1e-30);
     if part > 0.01 {
         tracing::warn!(
-            "bake.height: {:.1} % of the hairs' length x diameter lies above {height} cm and is in no layer",
+            "bake.height: {:.1} % of the hairs' length x diameter lies above {height} cm and is not baked",
             100.0 * part
         );
     } else if part > 0.0 {
         tracing::info!(
-            "{:.2} % of the hairs' length x diameter lies above {height} cm, in no layer",
+            "{:.2} % of the hairs' length x diameter lies above {height} cm and is not baked",
             100.0 * part
         );
     }

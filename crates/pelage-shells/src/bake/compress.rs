@@ -1,12 +1,13 @@
-//! From linear premultiplied texels to bytes: 8-bit sRGB, and blocks of it.
+//! Converts linear premultiplied texels to 8-bit sRGB and to compressed blocks.
 
 use super::{Texture, ktx2::Encoding};
 use block_compression::{BC7Settings, CompressionVariant, decode, encode};
 use pelage_core::film::tonemap::{srgb_decode, srgb_encode};
 
-/// 8 bits a channel: the premultiplied colour encoded as sRGB, coverage linear. Values outside 0..1 are clamped.
+/// Eight bits per channel: the premultiplied colour encoded as sRGB, coverage linear. Values are clamped to 0..1.
+// [IEC61966]
 ///
-/// A texture unit decodes colours before it filters, so that filtering and blending work on linear premultiplied colour.
+/// Texture units decode colours before they filter, so filtering and blending work on linear premultiplied colour.
 pub fn rgba8(texture: &Texture) -> Vec<u8> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texel = |t: &[f32; 4]| {
@@ -15,7 +16,7 @@ pub fn rgba8(texture: &Texture) -> Vec<u8> {
     texture.texels.iter().flat_map(texel).collect()
 }
 
-/// What [`rgba8`] made; texels that `bytes` lacks are left out.
+/// Decodes the bytes of [`rgba8`]; missing texels are left out.
 pub fn from_rgba8(width: u32, height: u32, bytes: &[u8]) -> Texture {
     let value = |b: u8| f32::from(b) / 255.0;
     let color: [f32; 256] = std::array::from_fn(|b| srgb_decode(value(b as u8)));
@@ -25,11 +26,10 @@ pub fn from_rgba8(width: u32, height: u32, bytes: &[u8]) -> Texture {
     Texture { width, height, texels: bytes.chunks_exact(4).map(texel).collect() }
 }
 
-/// Encodes [`rgba8`] bytes of a `size` texel image; `Rgba8` leaves them as they are. Sizes that are no multiple of 4 are
-/// filled up by wrapping around along u, and along v if `wrap_v`, else by repeating the last row.
+/// Encodes the [`rgba8`] bytes of an image of `size` texels; `Rgba8` returns them unchanged. Sizes that are not multiples of 4 are padded by wrapping around along u, and along v if `wrap_v`, otherwise by repeating the last row.
 ///
 /// # Errors
-/// If `bytes` are not four a texel.
+/// If the number of bytes is not four per texel.
 pub fn blocks(encoding: Encoding, size: [u32; 2], bytes: &[u8], wrap_v: bool) -> Result<Vec<u8>, String> {
     check("texels", bytes, u64::from(size[0]) * u64::from(size[1]) * 4)?;
     let Some(variant) = variant(encoding) else { return Ok(bytes.to_vec()) };
@@ -47,10 +47,10 @@ pub fn blocks(encoding: Encoding, size: [u32; 2], bytes: &[u8], wrap_v: bool) ->
     Ok(blocks)
 }
 
-/// Decodes what [`blocks`] made to [`rgba8`] bytes.
+/// Decodes the output of [`blocks`] to [`rgba8`] bytes.
 ///
 /// # Errors
-/// If the number of blocks is not that of the size.
+/// If the number of bytes does not match the size.
 pub fn from_blocks(encoding: Encoding, size: [u32; 2], blocks: &[u8]) -> Result<Vec<u8>, String> {
     check("blocks", blocks, encoding.layer_bytes(size))?;
     let Some(variant) = variant(encoding) else { return Ok(blocks.to_vec()) };
@@ -72,13 +72,12 @@ fn variant(encoding: Encoding) -> Option<CompressionVariant> {
     match encoding {
         Encoding::Rgba8 => None,
         Encoding::Bc3 => Some(CompressionVariant::BC3),
-        // Ten times as fast as the slowest settings, and within 0.05 dB of them on dots of hair.
+        // Ten times as fast as the slowest settings, and within 0.05 dB of them on textures of hair dots.
         Encoding::Bc7 => Some(CompressionVariant::BC7(BC7Settings::alpha_very_fast())),
     }
 }
 
-/// Peak signal-to-noise ratio between bytes, dB: colour and coverage alike. Infinite where they are equal; zero where their
-/// numbers differ.
+/// Peak signal-to-noise ratio between byte sequences, dB, over colour and coverage alike: infinite if they are equal, 0 if their lengths differ.
 pub fn psnr(a: &[u8], b: &[u8]) -> f64 {
     if a.len() != b.len() {
         return 0.0;

@@ -1,4 +1,4 @@
-//! Layers of random dots: the same dots in every layer, fewer the higher it lies.
+//! Layers of random dots: the same dots in every layer, but fewer in higher layers.
 // [Xbdev]
 
 use super::Texture;
@@ -7,22 +7,22 @@ use pelage_core::scene::{DotProfile, Dots};
 use pelage_fur::random::{hash2, random};
 use rayon::prelude::*;
 
-/// A hair of dots.
+/// A hair, seen as a dot in each layer.
 struct Dot {
-    /// Lowest column and row of its square.
+    /// Lowest [column, row] of its square.
     at: [u32; 2],
     /// Linear RGB at the tip of the fur.
     color: [f32; 3],
 }
 
-/// Dots of a block.
+/// The dots of a block.
 pub(super) struct DotFur<'a> {
     dots: &'a Dots,
     block: Block,
     hairs: Vec<Dot>,
 }
 
-/// Part of the dots between base and tip that is left at height `l` in 0..1.
+/// Fraction, at height `l` in 0..1, of the dots by which the base exceeds the tip.
 fn profile(profile: DotProfile, l: f32) -> f32 {
     let r = 1.0 - l;
     match profile {
@@ -34,9 +34,9 @@ fn profile(profile: DotProfile, l: f32) -> f32 {
 }
 
 impl<'a> DotFur<'a> {
-    /// The dots of `dots` on the texels of `block`.
+    /// The dots that `dots` describes, on the texels of `block`.
     pub fn new(dots: &'a Dots, block: Block, seed: u32) -> Self {
-        // What the tutorial does by seeding its generator anew for each layer: hair i is the same in all of them.
+        // The tutorial reseeds its generator for each layer to the same effect: hair i is the same in all layers.
         let hairs = (0..dots.base.max(dots.tip))
             .map(|i| {
                 let h = hash2(hash2(seed, 0x646f_7473), i);
@@ -54,30 +54,30 @@ impl<'a> DotFur<'a> {
         Self { dots, block, hairs }
     }
 
-    /// Height of a layer, 0 innermost, 1 outermost.
+    /// Height of a layer: 0 innermost, 1 outermost.
     fn level(&self, layer: u32) -> f32 {
         if self.block.layers > 1 { layer as f32 / (self.block.layers - 1) as f32 } else { 0.0 }
     }
 
-    /// Dots in a layer.
+    /// Number of dots in a layer.
     fn count(&self, layer: u32) -> usize {
         let (base, tip) = (self.dots.base as f32, self.dots.tip as f32);
         (tip + (base - tip) * profile(self.dots.profile, self.level(layer))).round() as usize
     }
 
-    /// Base darker than tip.
+    /// Brightness of a layer; the base is darker than the tip.
     fn brightness(&self, layer: u32) -> f32 {
         let dark = self.dots.root_brightness;
         dark + (1.0 - dark) * self.level(layer)
     }
 
-    /// The layers.
+    /// Draws the layers.
     pub fn layers(&self) -> Voxels {
         let [width, height] = self.block.resolution;
         let layer = |l: u32| {
             let mut texels = vec![[0.0; 4]; width as usize * height as usize];
             let light = self.brightness(l);
-            // The hairs that reach highest are drawn last, so that no hair changes its colour on the way up.
+            // The hairs that reach highest are drawn last, so that no hair changes its colour from layer to layer.
             for dot in self.hairs.iter().take(self.count(l)).rev() {
                 let [r, g, b] = dot.color.map(|c| c * light);
                 for (j, i) in (0..self.dots.size).flat_map(|j| (0..self.dots.size).map(move |i| (j, i))) {
@@ -88,7 +88,7 @@ impl<'a> DotFur<'a> {
             Texture { width, height, texels }
         };
         let layers = (0..self.block.layers).into_par_iter().map(layer).collect();
-        // A dot is a piece of hair as thick as its edge and as long as the layers lie apart.
+        // A dot is a piece of hair as thick as the dot's edge and as long as the spacing of layers.
         let edge = f64::from(self.block.patch[0]) / f64::from(width) * f64::from(self.dots.size);
         let spacing = f64::from(self.block.height) / f64::from(self.block.layers);
         let torus = f64::from(self.block.patch[0]) * f64::from(self.block.patch[1]);
@@ -97,7 +97,7 @@ impl<'a> DotFur<'a> {
         Voxels { layers, guard: Vec::new(), optical_depth, above: 0.0 }
     }
 
-    /// The columns of dots over the first `slab` of the torus along v, seen along v; those in front cover those behind.
+    /// Draws the columns of dots in the first `slab` of the torus along v (as a fraction of its edge), seen along v; columns in front cover those behind.
     pub fn fin(&self, [width, height]: [u32; 2], slab: f32) -> Texture {
         let [columns, rows] = self.block.resolution;
         let deep = (slab * rows as f32).ceil() as u32;
@@ -114,7 +114,7 @@ impl<'a> DotFur<'a> {
                 let left = dot.at[0] as f32 * scale;
                 let right = left + self.dots.size as f32 * scale;
                 for x in left.floor() as i64..right.ceil() as i64 {
-                    // The part of the texel that the column covers.
+                    // Fraction of the texel that the column covers.
                     let alpha = (right.min((x + 1) as f32) - left.max(x as f32)).clamp(0.0, 1.0);
                     let texel = &mut line[x.rem_euclid(i64::from(width)) as usize];
                     let [r, g, b] = dot.color.map(|c| c * light);

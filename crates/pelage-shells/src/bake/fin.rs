@@ -1,4 +1,4 @@
-//! The fin's texture: a slab of the hair, seen across, its hairs composited from the back to the front.
+//! The texture of the fin: a slab of hair seen from the side, composited from back to front.
 // [Lengyel2001] sec. 3.1
 
 use super::Texture;
@@ -8,10 +8,10 @@ use super::voxels::Block;
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// Hairs drawn at a time.
+/// Hairs drawn in parallel before they are composited.
 const BATCH: usize = 256;
 
-/// A hair's texels in the fin.
+/// The texels of a hair in the fin.
 struct Drawn {
     root: f32,
     origin: [i32; 2],
@@ -21,8 +21,7 @@ struct Drawn {
     guard: bool,
 }
 
-/// The hairs with roots in the first `slab` of the torus along v (as part of its edge), seen along v: u to the right, up. With `split`
-/// the second texture holds the guard hairs' part, else it is empty.
+/// Draws the hairs with roots in the first `slab` of the torus along v (as a fraction of its edge), seen along v with u to the right. With `split` the second texture is the guard hairs' contribution; otherwise it is empty.
 pub fn fin(
     fur: &impl HairSource,
     block: &Block,
@@ -31,7 +30,7 @@ pub fn fin(
     split: bool,
 ) -> (Texture, Texture) {
     let [width, height] = resolution;
-    // From the back to the front; hairs at the same depth in their order.
+    // From back to front; hairs at the same depth by index.
     let mut order: Vec<(f32, u32)> = (0..fur.count())
         .into_par_iter()
         .filter_map(|i| {
@@ -63,7 +62,7 @@ fn draw(hair: &Hair, block: &Block, [width, height]: [u32; 2], stamp: &mut Stamp
     let texel = Vec2::new(block.patch[0] / width as f32, block.height / height as f32);
     let root = hair.root[0] * width as f32;
     let (mut length, mut shown) = (0.0, 0.0);
-    // Colour of each row, from the steps that reach it.
+    // Colour of each row, from the steps in it.
     let mut rows = vec![[0.0f32; 4]; height as usize];
     stamp.clear();
     let cell = Vec3::new((0.7 * texel.x).max(0.125 * hair.thickest()), f32::INFINITY, 0.35 * texel.y);
@@ -86,7 +85,7 @@ fn draw(hair: &Hair, block: &Block, [width, height]: [u32; 2], stamp: &mut Stamp
     let sigma = roomy_sigma(Vec2::splat(shown / length.max(1e-20)) / texel, stamp.extent(), area);
     stamp.spread(Vec2::new(sigma.x, sigma.y.min(0.75)), Some(height));
     stamp.cover();
-    // Rows that only the filter reaches take the colour of the row next to them.
+    // Rows reached only by the filter take the colour of the nearest row with steps.
     let known: Vec<usize> = (0..rows.len()).filter(|r| rows[*r][3] > 0.0).collect();
     let nearest = |r: i32| {
         let at = known.partition_point(|k| (*k as i32) < r).min(known.len() - 1);
@@ -105,7 +104,8 @@ fn draw(hair: &Hair, block: &Block, [width, height]: [u32; 2], stamp: &mut Stamp
     })
 }
 
-/// Lays a hair over what is there.
+/// Composites a hair over the textures.
+// [PorterDuff1984]
 fn over(hair: &Drawn, [width, height]: [u32; 2], all: &mut [[f32; 4]], guard: &mut [[f32; 4]]) {
     let first = (hair.root as i64 + i64::from(hair.origin[0])).rem_euclid(i64::from(width)) as usize;
     for (j, line) in hair.depth.chunks_exact(hair.columns).enumerate() {

@@ -1,6 +1,4 @@
-//! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and gravity are left out; the renderer bends
-//! the shells along the combed hair. But a combed hair rises less: here all are as high as they are on the mean of the skin, and thicker by
-//! as much, so that each covers what it did.
+//! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and gravity are left out, because the renderer bends the shells along the combed hair. A combed hair rises less, so all are given the mean height of combed hair on the skin, and are made thicker by the same factor so that each keeps its coverage.
 
 use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
@@ -14,14 +12,14 @@ use pelage_fur::strand_curve::{
 };
 use std::f32::consts::TAU;
 
-/// Guard hairs of a patch.
+/// The guard hairs of a patch.
 pub(super) struct GuardFur<'a> {
     guard: &'a Guard,
     count: u32,
-    /// Hairs that each stands for.
+    /// Number of hairs that each one represents.
     weight: f32,
     length: f32,
-    /// Height of a combed hair's tip by its length.
+    /// Height of the tip of a combed hair relative to its length.
     rise: f32,
     thickness: f32,
     clump: f32,
@@ -34,7 +32,7 @@ pub(super) struct GuardFur<'a> {
 }
 
 impl<'a> GuardFur<'a> {
-    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most` of them, each then standing for several.
+    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most`, each representing several if there are more.
     pub fn new(guard: &'a Guard, means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
         let seed = hash2(seed, 0x6775_6172);
         let area = patch * patch;
@@ -58,10 +56,10 @@ impl<'a> GuardFur<'a> {
         }
     }
 
-    /// Height below which `part` of the hairs' length x diameter lies, cm; 0 without hair.
+    /// Height below which the fraction `part` of the hairs' length x diameter lies, cm; 0 without hair.
     pub fn height_of(&self, part: f64) -> f32 {
         const BINS: usize = 1024;
-        // A curl may rise a little above the length's end.
+        // A curl may rise slightly above the length of the hair.
         let top = (self.length * 1.25).max(1e-6);
         let mut area = vec![0.0f64; BINS];
         for i in 0..self.count {
@@ -86,7 +84,7 @@ impl<'a> GuardFur<'a> {
     }
 }
 
-/// Height of the tip of a hair of length 1 that is combed and bent as `guard` says, on the mean of the skin.
+/// Height of the tip of a hair of length 1, combed and bent as `guard` says, averaged over the skin.
 fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
     let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(Parameter::GuardComb);
     let mean = means.over_normals(|n| {
@@ -97,7 +95,7 @@ fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
     mean.clamp(0.1, 1.0)
 }
 
-/// A whole number of hairs and how many of the wanted each stands for.
+/// The number of hairs to grow, at most `most`, and how many of the `wanted` ones each represents.
 pub(super) fn whole(wanted: f32, most: u32) -> (u32, f32) {
     if wanted <= 0.0 {
         return (0, 0.0);
@@ -126,7 +124,7 @@ impl HairSource for GuardFur<'_> {
         let polygon = control_polygon(Vec3::Z, legs);
         let pull = if self.clump > 0.0 { self.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
         let tone = 1.0 + g.color_variation * (2.0 * random(seed, 6) - 1.0);
-        // The curve itself, not its tessellation: frizz of many bends would show corners in the fin.
+        // Finer than the groom's tessellation: strongly bent frizz would show corners in the fin.
         let segments = g.segments.max(32);
         let knots = (0..=segments)
             .map(|k| {

@@ -8,20 +8,20 @@ use glam::Vec3;
 use pelage_core::scene::FurLayers;
 use pelage_core::{Error, Result, World};
 
-/// Hairs of a kind that are grown for each texel of a layer, at most; where the patch has more, each stands for several.
+/// Largest number of hairs of each kind per texel of a layer; if the patch has more, each represents several.
 const HAIRS_A_TEXEL: u32 = 8;
 
-/// Part of the guard hairs' length x diameter that the height holds where none is given: the longest thin tips stay out.
+/// Fraction of the guard hairs' length x diameter below the default height; the tips of the longest hairs are left out.
 const WITHIN: f64 = 0.99;
 
-/// Both kinds of hair of a groom, guard hairs first.
+/// Both layers of a groom, guard hairs first.
 pub(super) struct HybridFur<'a> {
     guard: Option<GuardFur<'a>>,
-    coat: Option<UndercoatFur<'a>>,
+    undercoat: Option<UndercoatFur<'a>>,
 }
 
 impl<'a> HybridFur<'a> {
-    /// The fur of `world`, as far as `render.fur` has it drawn, on a torus of `patch` cm.
+    /// The fur of `world` on a torus of `patch` cm, as far as `render.fur` draws it.
     pub fn new(world: &'a World, patch: f32) -> Result<Self> {
         let scene = &world.scene;
         let means = SkinSamples::new(world)?;
@@ -32,20 +32,20 @@ impl<'a> HybridFur<'a> {
         let guard = (scene.render.fur != FurLayers::Implicit)
             .then(|| GuardFur::new(&scene.guard, &means, patch, seed, most))
             .filter(|g| g.count() > 0);
-        let coat = (scene.render.fur != FurLayers::Explicit)
+        let undercoat = (scene.render.fur != FurLayers::Explicit)
             .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, most))
             .filter(|c| c.count() > 0);
-        if guard.is_none() && coat.is_none() {
+        if guard.is_none() && undercoat.is_none() {
             let message = "there is no hair to bake: guard hairs and undercoat have no density, no length or are not drawn (render.fur)";
             return Err(Error::fault("bake.source = \"hybrid\"", message));
         }
-        Ok(Self { guard, coat })
+        Ok(Self { guard, undercoat })
     }
 
-    /// Height that holds the undercoat and all but the tips of the guard hairs, cm.
+    /// Height that contains the undercoat and all but the tips of the guard hairs, cm.
     pub fn height(&self) -> f32 {
-        let coat = self.coat.as_ref().map_or(0.0, |c| c.height);
-        self.guard.as_ref().map_or(0.0, |g| g.height_of(WITHIN)).max(coat)
+        let undercoat = self.undercoat.as_ref().map_or(0.0, |c| c.height);
+        self.guard.as_ref().map_or(0.0, |g| g.height_of(WITHIN)).max(undercoat)
     }
 
     fn guards(&self) -> u32 {
@@ -56,11 +56,11 @@ impl<'a> HybridFur<'a> {
         &self,
         i: u32,
         guard: impl Fn(&GuardFur, u32) -> T,
-        coat: impl Fn(&UndercoatFur, u32) -> T,
+        undercoat: impl Fn(&UndercoatFur, u32) -> T,
     ) -> Option<T> {
-        match (&self.guard, &self.coat) {
+        match (&self.guard, &self.undercoat) {
             (Some(g), _) if i < g.count() => Some(guard(g, i)),
-            (_, Some(c)) => Some(coat(c, i - self.guards())),
+            (_, Some(c)) => Some(undercoat(c, i - self.guards())),
             _ => None,
         }
     }
@@ -68,7 +68,7 @@ impl<'a> HybridFur<'a> {
 
 impl HairSource for HybridFur<'_> {
     fn count(&self) -> u32 {
-        self.guards() + self.coat.as_ref().map_or(0, HairSource::count)
+        self.guards() + self.undercoat.as_ref().map_or(0, HairSource::count)
     }
 
     fn hair(&self, i: u32) -> Hair {

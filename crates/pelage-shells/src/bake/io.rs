@@ -1,4 +1,4 @@
-//! Writing baked textures to a folder and reading them back.
+//! Writes baked textures to a folder and reads them back.
 
 use super::{
     Content, FileEntry, FurTextures, LodEntry, ManifestFile, Texels, Texture, compress,
@@ -20,33 +20,33 @@ use std::{
     path::{Path, PathBuf},
 };
 
-/// Name of the file that says what the others are.
+/// Name of the manifest, which describes the other files.
 pub const MANIFEST: &str = "manifest.json";
 
 const SCHEMA: &str = "manifest.schema.json";
 
-/// Formats of files.
+/// File formats.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Format {
-    /// A PNG for each layer and fin.
+    /// One PNG file for each layer and fin.
     Png,
-    /// An OpenEXR file for each layer and fin; the only ones that [`load`] reads.
+    /// One OpenEXR file for each layer and fin; the only format that [`load`] reads.
     Exr,
-    /// KTX 2.0: the layers as an array with all mip levels, and the fin; uncompressed.
+    /// Uncompressed KTX 2.0: the layers as an array with all mip levels, and the fin.
     Ktx2,
-    /// The same compressed as BC3 and as BC7.
+    /// KTX 2.0 compressed as BC3 and as BC7.
     Bc,
 }
 
-/// What is written.
+/// Options of [`write()`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct WriteOptions {
-    /// Formats.
+    /// Formats to write.
     pub formats: Vec<Format>,
-    /// What the mip levels of KTX 2.0 files keep.
+    /// What the mip levels of KTX 2.0 files preserve.
     pub keep: Keep,
-    /// What the EXR files say about their making.
+    /// Metadata of the EXR files.
     pub metadata: Metadata,
 }
 
@@ -61,10 +61,10 @@ impl Default for WriteOptions {
     }
 }
 
-/// Checks that the sizes of the textures are those of the manifest.
+/// Checks that the sizes of the textures match the manifest.
 ///
 /// # Errors
-/// [`Error::Unsupported`] with the texture, what it has and what was expected.
+/// [`Error::Unsupported`] with the name of the texture, its size and the expected size.
 pub fn check(textures: &FurTextures) -> Result<()> {
     let manifest = &textures.manifest;
     let expect = |name: String, t: &Texture, [w, h]: [u32; 2]| {
@@ -96,7 +96,7 @@ pub fn check(textures: &FurTextures) -> Result<()> {
     Ok(())
 }
 
-/// Checks before a long computation that [`write()`] can write to `dir`, and makes the folder if it is not there.
+/// Checks before a long computation that [`write()`] can write to `dir`, and creates the folder if it does not exist.
 ///
 /// # Errors
 /// [`Error::Io`].
@@ -108,12 +108,10 @@ pub fn check_folder(dir: &Path) -> Result<()> {
     check_target(&dir.join(MANIFEST))
 }
 
-/// Writes textures, all levels of detail, their manifest and its schema to the folder `dir`, which is made where it does not
-/// exist. Files of the same names are replaced, others are left alone. Returns the files, the manifest last: where it lists a
-/// file, the file is complete.
+/// Writes textures, all levels of detail, their manifest and its schema to the folder `dir`, which is created if it does not exist. Files of the same names are replaced, others are left alone. Returns the paths, the manifest last: all files that it lists are complete.
 ///
 /// # Errors
-/// [`Error::Unsupported`] as [`check`]; [`Error::Usage`] for no formats; [`Error::Io`].
+/// [`Error::Unsupported`] as [`check`]; [`Error::Usage`] without formats; [`Error::Io`].
 pub fn write(textures: &FurTextures, dir: &Path, options: &WriteOptions) -> Result<Vec<PathBuf>> {
     check(textures)?;
     if options.formats.is_empty() {
@@ -143,7 +141,7 @@ pub fn write(textures: &FurTextures, dir: &Path, options: &WriteOptions) -> Resu
         ),
     };
     let mut paths: Vec<_> = manifest.files.iter().map(|f| dir.join(&f.path)).collect();
-    // A reader of the folder looks at the manifest first: it names files that are all there.
+    // The manifest is written last: when it is there, all files that it lists are there.
     let path = dir.join(SCHEMA);
     write_buffered(&path, |out| Ok(writeln!(out, "{:#}", manifest_schema())?))?;
     paths.push(path);
@@ -171,7 +169,7 @@ struct Task<'a> {
     lod: u32,
     layer: Option<u32>,
     texels: Texels,
-    /// The layers of an array, or the one picture.
+    /// The layers of an array, or a single image.
     textures: &'a [Texture],
     array: bool,
 }
@@ -216,7 +214,7 @@ fn tasks<'a>(textures: &'a FurTextures, levels: &'a [LodLevel], formats: &[Forma
         if formats.contains(&Format::Png) {
             single(Texels::PngStraight, "png");
         }
-        // What a client draws; the guard hairs' share serves programs that light them apart.
+        // Only what a client draws; the guard hairs' contribution is for programs that light it separately.
         let drawn = matches!(content, Layers | Fin);
         for (format, texels, suffix) in [
             (Format::Ktx2, Texels::Ktx2Rgba8, ""),
@@ -268,7 +266,7 @@ impl Task<'_> {
         Ok(entry)
     }
 
-    /// The file; what compression lost goes to `entry`.
+    /// Encodes the file and records the compression loss in `entry`.
     fn ktx2(&self, encoding: Encoding, o: &WriteOptions, entry: &mut FileEntry) -> Result<Vec<u8>, String> {
         let wrap_v = matches!(self.content, Content::Layers | Content::Guard);
         let encoded = self.textures.par_iter().map(|texture| {
@@ -304,13 +302,14 @@ impl Task<'_> {
 /// Reads `manifest.json`.
 ///
 /// # Errors
-/// [`Error::Io`] for a missing or broken file, and for a version that this program does not know.
+/// [`Error::Io`] for a missing or damaged file, or an unknown version.
 pub fn load_manifest(path: &Path) -> Result<ManifestFile> {
     let text = std::fs::read_to_string(path).map_err(|e| {
         Error::io(path, format!("cannot be read: {e}; expected the {MANIFEST} of `pelage bake`"))
     })?;
-    let file: ManifestFile = serde_json::from_str(&text)
-        .map_err(|e| Error::io(path, format!("is no manifest of baked textures: {e}; bake them again")))?;
+    let file: ManifestFile = serde_json::from_str(&text).map_err(|e| {
+        Error::io(path, format!("is not a manifest of baked textures: {e}; bake the textures again"))
+    })?;
     if file.manifest.version != 1 {
         let found = file.manifest.version;
         return Err(Error::io(path, format!("has version {found}, expected 1: bake the textures again")));
@@ -318,11 +317,10 @@ pub fn load_manifest(path: &Path) -> Result<ManifestFile> {
     Ok(file)
 }
 
-/// Reads the finest textures back from the EXR files that a manifest lists: exactly those that were written.
+/// Reads the finest textures back, unchanged, from the EXR files that a manifest lists.
 ///
 /// # Errors
-/// [`Error::Io`] with the file, what was found and what was expected: missing, damaged or another size than the manifest's;
-/// coverage outside 0..1 or values that are not finite; a manifest that lists no EXR files.
+/// [`Error::Io`] with the file, what was found and what was expected: files that are missing, damaged or of another size than the manifest's; coverage outside 0..1 or values that are not finite; a manifest without EXR files.
 pub fn load(manifest: &Path) -> Result<FurTextures> {
     let file = load_manifest(manifest)?;
     let folder = manifest.parent().unwrap_or(Path::new(""));
@@ -338,19 +336,19 @@ pub fn load(manifest: &Path) -> Result<FurTextures> {
         })?;
         read_texture(&folder.join(&entry.path), size)
     };
-    let meant = &file.manifest;
-    if meant.layers == 0 {
-        return Err(Error::io(manifest, "says that there are 0 layers, expected at least one: bake again"));
+    let expected = &file.manifest;
+    if expected.layers == 0 {
+        return Err(Error::io(manifest, "lists 0 layers, expected at least one: bake the textures again"));
     }
     let all = |content| {
-        let layers = (0..meant.layers).into_par_iter();
-        layers.map(|l| read(content, Some(l), meant.resolution)).collect::<Result<Vec<_>>>()
+        let layers = (0..expected.layers).into_par_iter();
+        layers.map(|l| read(content, Some(l), expected.resolution)).collect::<Result<Vec<_>>>()
     };
     let layers = all(Content::Layers)?;
-    let fin = read(Content::Fin, None, meant.fin_resolution)?;
+    let fin = read(Content::Fin, None, expected.fin_resolution)?;
     let has_guard = file.files.iter().any(|f| f.content == Content::Guard);
     let (guard, fin_guard) = if has_guard {
-        (all(Content::Guard)?, read(Content::FinGuard, None, meant.fin_resolution)?)
+        (all(Content::Guard)?, read(Content::FinGuard, None, expected.fin_resolution)?)
     } else {
         Default::default()
     };
@@ -362,7 +360,10 @@ fn read_texture(path: &Path, [width, height]: [u32; 2]) -> Result<Texture> {
     let again = "bake the textures again";
     if [film.width, film.height] != [width, height] {
         let found = format!("{} x {}", film.width, film.height);
-        return Err(Error::io(path, format!("is {found}, the manifest says {width} x {height}: {again}")));
+        return Err(Error::io(
+            path,
+            format!("is {found}, expected {width} x {height} as in the manifest: {again}"),
+        ));
     }
     let texels = film.premultiplied()?;
     let broken = |t: &[f32; 4]| !t.iter().all(|v| v.is_finite()) || !(0.0..=1.0).contains(&t[3]);

@@ -1,13 +1,11 @@
-//! KTX 2.0: writing and reading the few kinds of file that baked textures need. All levels, one plain image or an array of
-//! layers; 8-bit RGBA, BC3 or BC7; colour premultiplied in linear light and then encoded as sRGB, coverage linear; no
-//! supercompression, so that a client uploads the bytes as they are.
+//! Writes and reads the few kinds of KTX 2.0 files that baked textures need: all mip levels of one plain image or of an array of layers; 8-bit RGBA, BC3 or BC7; colour premultiplied in linear light and then encoded as sRGB, coverage linear. There is no supercompression, so that a client uploads the bytes as they are.
 // [KTX2] sec. 3 (file structure), 3.10 (data format descriptor), 5 (keys)
 
 use super::mips;
 
 const IDENTIFIER: [u8; 12] = [0xab, b'K', b'T', b'X', b' ', b'2', b'0', 0xbb, b'\r', b'\n', 0x1a, b'\n'];
 
-/// Bytes of identifier, header and index, before the level index.
+/// Bytes of identifier, header and index, which precede the level index.
 const HEADER: usize = 80;
 
 /// Bytes of an entry of the level index.
@@ -18,7 +16,7 @@ const ENTRY: usize = 24;
 pub enum Encoding {
     /// VK_FORMAT_R8G8B8A8_SRGB.
     Rgba8,
-    /// VK_FORMAT_BC3_SRGB_BLOCK, once called DXT5.
+    /// VK_FORMAT_BC3_SRGB_BLOCK, formerly DXT5.
     Bc3,
     /// VK_FORMAT_BC7_SRGB_BLOCK.
     Bc7,
@@ -27,7 +25,7 @@ pub enum Encoding {
 impl Encoding {
     const ALL: [Self; 3] = [Self::Rgba8, Self::Bc3, Self::Bc7];
 
-    /// The number of the format in Vulkan.
+    /// The value of the format in Vulkan.
     pub fn vk_format(self) -> u32 {
         match self {
             Self::Rgba8 => 43,
@@ -36,7 +34,7 @@ impl Encoding {
         }
     }
 
-    /// Edge of a block, texels.
+    /// Texels along the edge of a block.
     pub fn block(self) -> u32 {
         if self == Self::Rgba8 { 1 } else { 4 }
     }
@@ -52,9 +50,9 @@ impl Encoding {
         w * h * u64::from(self.block_bytes())
     }
 
-    /// Colour model, and for each sample: bit offset, bits, channel with its qualifiers, largest value.
+    /// Colour model, and for each sample [bit offset, bits, channel with qualifiers, largest value].
     fn samples(self) -> (u8, Vec<[u32; 4]>) {
-        // Coverage is linear in a format whose colours are not.
+        // Coverage is linear although colours are not.
         const ALPHA_LINEAR: u32 = 15 | 0x10;
         match self {
             Self::Rgba8 => {
@@ -67,7 +65,7 @@ impl Encoding {
     }
 }
 
-/// What a file holds.
+/// The contents of a file.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Ktx2 {
     /// How texels are stored.
@@ -76,21 +74,20 @@ pub struct Ktx2 {
     pub size: [u32; 2],
     /// Layers of an array; `None` for a plain two-dimensional image.
     pub layers: Option<u32>,
-    /// The bytes of each level, the finest first: layer by layer, row of blocks by row of blocks, v = 0 first.
+    /// The bytes of each mip level, finest first: layer by layer, row of blocks by row of blocks, v = 0 first.
     pub levels: Vec<Vec<u8>>,
 }
 
 impl Ktx2 {
-    /// Bytes that level `level` must have.
+    /// Size of mip level `level` in bytes.
     pub fn level_bytes(&self, level: u32) -> u64 {
         self.encoding.layer_bytes(mips::size(self.size, level)) * u64::from(self.layers.unwrap_or(1))
     }
 
-    /// The file.
+    /// Encodes the file.
     ///
     /// # Errors
-    /// What does not fit together: an empty image, a number of levels that the size does not have, a level whose number of
-    /// bytes is not [`Ktx2::level_bytes`].
+    /// A description of the inconsistency: an empty image, more levels than the size allows, or a level whose length is not [`Ktx2::level_bytes`].
     pub fn encode(&self) -> Result<Vec<u8>, String> {
         self.check()?;
         let levels = self.levels.len();
@@ -101,7 +98,7 @@ impl Ktx2 {
         let mut file = IDENTIFIER.to_vec();
         let header = [
             self.encoding.vk_format(),
-            1, // The type's size: bytes need no swapping.
+            1, // typeSize: bytes need no swapping.
             self.size[0],
             self.size[1],
             0, // No depth.
@@ -115,8 +112,8 @@ impl Ktx2 {
             keys.len() as u32,
         ];
         file.extend(header.iter().flat_map(|word| word.to_le_bytes()));
-        file.extend([0; 16]); // No global data of a supercompression.
-        // The levels follow with the coarsest first, each at a multiple of its block's bytes.
+        file.extend([0; 16]); // No supercompression global data.
+        // Levels are stored coarsest first, each aligned to the size of a block.
         let align = self.encoding.block_bytes() as usize;
         let mut at = keys_at + keys.len();
         let mut places = Vec::with_capacity(levels);
@@ -138,19 +135,19 @@ impl Ktx2 {
         Ok(file)
     }
 
-    /// Reads what [`Ktx2::encode`] writes; files of other writers too if they are of these kinds.
+    /// Decodes a file that [`Ktx2::encode`] wrote, or another writer's file of the same kind.
     ///
     /// # Errors
-    /// What was found and what was expected.
+    /// A message with what was found and what was expected.
     pub fn decode(file: &[u8]) -> Result<Self, String> {
         if file.get(..12) != Some(&IDENTIFIER) {
-            return Err("it does not begin with the identifier of KTX 2.0".into());
+            return Err("found no KTX 2.0 identifier at the start".into());
         }
         let word = |at: usize| -> Result<u32, String> {
             let bytes = file.get(at..at + 4).and_then(|b| b.try_into().ok());
             bytes
                 .map(u32::from_le_bytes)
-                .ok_or_else(|| format!("it ends at byte {}, in its header", file.len()))
+                .ok_or_else(|| format!("truncated: it ends at byte {}, within its header", file.len()))
         };
         let format = word(12)?;
         let encoding = Encoding::ALL.into_iter().find(|e| e.vk_format() == format).ok_or_else(|| {
@@ -180,7 +177,7 @@ impl Ktx2 {
             let range = usize::try_from(at).ok().zip(end.and_then(|end| usize::try_from(end).ok()));
             let data = range.and_then(|(at, end)| file.get(at..end)).ok_or_else(|| {
                 format!(
-                    "level {level} ends at byte {}, the file at byte {}",
+                    "level {level} ends at byte {}, but the file at byte {}",
                     at.saturating_add(bytes),
                     file.len()
                 )
@@ -190,7 +187,9 @@ impl Ktx2 {
         ktx.check()?;
         let (at, expected) = (word(48)? as usize, ktx.descriptor());
         if file.get(at..at.saturating_add(expected.len())) != Some(&expected) {
-            return Err("its data format descriptor is not that of premultiplied sRGB in this format".into());
+            return Err(
+                "the data format descriptor does not describe premultiplied sRGB in this format".into()
+            );
         }
         Ok(ktx)
     }
@@ -218,7 +217,7 @@ impl Ktx2 {
         Ok(())
     }
 
-    /// The basic data format descriptor with its length in front.
+    /// The basic data format descriptor, preceded by its length.
     fn descriptor(&self) -> Vec<u8> {
         let (model, samples) = self.encoding.samples();
         let block = 24 + 16 * samples.len() as u32;
@@ -240,11 +239,11 @@ impl Ktx2 {
     }
 }
 
-/// The key/value data: sorted keys, each with its length in front, padded to 4 bytes.
+/// The key/value data: sorted keys, each entry preceded by its length and padded to 4 bytes.
 fn keys() -> Vec<u8> {
     let mut data = Vec::new();
     let writer = concat!("pelage ", env!("CARGO_PKG_VERSION"));
-    // The first row of texels is the first of a client's texture: v grows downwards when looked at as a picture.
+    // "rd": the first row of texels has v = 0, and v grows downwards when the texture is viewed as an image.
     for (key, value) in [("KTXorientation", "rd"), ("KTXwriter", writer)] {
         let entry = format!("{key}\0{value}\0");
         data.extend((entry.len() as u32).to_le_bytes());

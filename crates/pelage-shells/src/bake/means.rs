@@ -1,4 +1,4 @@
-//! Groom parameters at their mean over the skin: one texture serves all of it.
+//! Means of groom parameters over the skin: one texture serves all of it.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::scene::FurLayers;
@@ -7,19 +7,20 @@ use pelage_fur::groom::{self, PackedGroom};
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
 use pelage_fur::random::{even_barycentric, hash2, r2, random};
 
-/// Places on the skin where maps are read.
+/// Approximate number of points of the skin at which maps are read.
 const SAMPLES: usize = 20_000;
 
-/// Places spread over the skin, by area.
+/// Points distributed over the skin by area.
 pub(super) struct SkinSamples<'a> {
     world: &'a World,
     packed: PackedGroom,
-    /// Each with the area that it stands for, cm².
+    /// Points, each with the area that it represents, cm².
     places: Vec<(SkinPoint, f64)>,
 }
 
 impl<'a> SkinSamples<'a> {
-    /// A few places on each triangle, more on larger ones.
+    /// At least one point on each triangle, more on larger ones.
+    // [Roberts2018], [Turk1990]
     ///
     /// # Errors
     /// As [`groom::pack`].
@@ -51,7 +52,7 @@ impl<'a> SkinSamples<'a> {
                 places.push((at, area / f64::from(n)));
             }
         }
-        // Both layers are baked, whatever is drawn beside the textures.
+        // Both layers are baked, whatever else is drawn.
         let mut whole = world.clone();
         whole.scene.render.fur = FurLayers::Hybrid;
         Ok(Self { world, packed: groom::pack(&whole)?, places })
@@ -72,7 +73,7 @@ impl<'a> SkinSamples<'a> {
         self.packed.undercoat.extinction > 0.0
     }
 
-    /// The mean of a scalar, not below 0.
+    /// Mean of a scalar parameter, at least 0.
     pub fn scalar(&self, parameter: Parameter) -> f32 {
         let constant = &self.packed.groom.parameters[parameter as usize];
         let value = match constant.source {
@@ -82,7 +83,7 @@ impl<'a> SkinSamples<'a> {
         value.max(0.0)
     }
 
-    /// The mean of a colour.
+    /// Mean of a colour parameter.
     pub fn color(&self, parameter: Parameter) -> Vec3 {
         let constant = &self.packed.groom.parameters[parameter as usize];
         match constant.source {
@@ -91,7 +92,7 @@ impl<'a> SkinSamples<'a> {
         }
     }
 
-    /// Mean of a function of the skin's normal over its area.
+    /// Mean of a function of the face normal over the skin's area.
     pub fn over_normals(&self, f: impl Fn(Vec3) -> f32) -> f32 {
         let skin = &self.world.skin;
         let (mut sum, mut area) = (0.0, 0.0);
@@ -105,7 +106,7 @@ impl<'a> SkinSamples<'a> {
         (sum / area.max(1e-30)) as f32
     }
 
-    /// Length of one unit of uv on the skin, cm; `None` where the skin has none.
+    /// Length of one unit of uv on the skin, cm; `None` without uv.
     pub fn uv_unit(&self) -> Option<f32> {
         let skin = &self.world.skin;
         let uv = skin.corner_uv.as_ref()?;

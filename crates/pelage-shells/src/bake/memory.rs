@@ -1,11 +1,11 @@
-//! Texture memory of baked textures, in the rows of Lengyel et al. 2001.
+//! Memory of baked textures, in the rows of the paper's comparison.
 // [Lengyel2001] sec. 4, texture memory
 
 use super::{ktx2::Encoding, mips};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// Memory of one way to store the textures.
+/// Memory for one method of storing the textures.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 pub struct MemoryRow {
     /// What is stored, and how.
@@ -14,12 +14,12 @@ pub struct MemoryRow {
     pub bytes: u64,
     /// Bytes with all mip levels.
     pub bytes_with_mips: u64,
-    /// What Lengyel et al. 2001 print for the same; only where the sizes are theirs.
+    /// The figure that Lengyel et al. print for this row; only for the paper's sizes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub paper: Option<String>,
 }
 
-/// The sizes for which the paper prints its figures: layers, their texels, the fin's texels.
+/// The sizes for which the paper prints figures: layers, their texels, texels of the fin.
 const PAPER: (u32, [u32; 2], [u32; 2]) = (16, [128, 128], [512, 64]);
 
 /// The table for `layers` layers of `resolution` texels and a fin of `fin` texels.
@@ -38,7 +38,7 @@ pub fn table(layers: u32, resolution: [u32; 2], fin: [u32; 2]) -> Vec<MemoryRow>
     // Levels of detail: halved, rounded up, down to one layer.
     let coarser = std::iter::successors(Some(layers), |n| (*n > 1).then(|| n.div_ceil(2))).skip(1);
     let lods = [(coarser.map(u64::from).sum::<u64>() + u64::from(layers), resolution), (1, fin)];
-    // One image for all layers of upright hair, with a ramp over height in the client; one for the skin, as in the paper.
+    // One image for all layers of upright hair, with a ramp over height in the client, and one for the skin, as in the paper.
     let single = [(2, resolution), (1, fin)];
     vec![
         row("layers and fin, RGBA8", Rgba8, &all, "1.6 MB with mips"),

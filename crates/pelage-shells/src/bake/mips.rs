@@ -1,30 +1,27 @@
-//! Mip chains that keep coverage.
+//! Mip chains that preserve coverage.
 
 use super::Texture;
 
-/// What a mip chain keeps of its finest level.
+/// What a mip chain preserves of its finest level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Keep {
-    /// The mean coverage and the mean premultiplied colour, for blended layers. The stack of filtered layers is a little
-    /// more opaque than the filtered stack, because hairs that go on through several layers are then no longer seen behind
-    /// one another.
+    /// Mean coverage and mean premultiplied colour, for blended layers. The stack of filtered layers is slightly more opaque than the filtered stack, because hairs that continue through several layers are then no longer hidden behind one another.
     Mean,
-    /// The share of texels whose coverage is at least the threshold in 0..1, for alpha-tested layers: coverage, and colour
-    /// with it, is scaled in each level. The mean is not kept.
+    /// Fraction of texels whose coverage is at least this threshold in 0..1, for alpha-tested layers: coverage and colour are scaled in each level. The mean is not preserved.
     Share(f32),
 }
 
-/// Width and height of a mip level: halved `level` times, rounded down, at least 1.
+/// Width and height of mip level `level`: halved `level` times, rounded down, at least 1.
 pub fn size(size: [u32; 2], level: u32) -> [u32; 2] {
     size.map(|n| n.checked_shr(level).unwrap_or(0).max(1))
 }
 
-/// Levels of a whole chain, the finest included, down to 1 x 1.
+/// Number of levels of a complete chain, the finest included, down to 1 x 1.
 pub fn levels(size: [u32; 2]) -> u32 {
     32 - size[0].max(size[1]).max(1).leading_zeros()
 }
 
-/// The whole chain, the finest level first and unchanged.
+/// The complete chain, starting with the unchanged finest level.
 pub fn chain(base: &Texture, keep: Keep) -> Vec<Texture> {
     let mut filtered = vec![base.clone()];
     for level in 1..levels([base.width, base.height]) {
@@ -35,7 +32,7 @@ pub fn chain(base: &Texture, keep: Keep) -> Vec<Texture> {
     }
     if let Keep::Share(threshold) = keep {
         let wanted = share(base, threshold);
-        // The levels were made from one another unscaled, so that the errors do not add up.
+        // Levels are filtered from unscaled ones, so that errors do not accumulate.
         filtered.iter_mut().skip(1).for_each(|level| scale_to_share(level, threshold, wanted));
     }
     filtered
@@ -46,14 +43,13 @@ pub fn mean_coverage(texture: &Texture) -> f64 {
     texture.texels.iter().map(|t| f64::from(t[3])).sum::<f64>() / texture.texels.len().max(1) as f64
 }
 
-/// Share of the texels whose coverage is at least `threshold`.
+/// Fraction of the texels whose coverage is at least `threshold`.
 pub fn share(texture: &Texture, threshold: f32) -> f64 {
     let above = texture.texels.iter().filter(|t| t[3] >= threshold).count();
     above as f64 / texture.texels.len().max(1) as f64
 }
 
-/// Box filter of premultiplied texels: each texel of the result is the mean over its area, parts of texels included, so that
-/// means are kept for any size. Boxes end at the borders of the texture, so that wrapping around needs no care.
+/// Box filter of premultiplied texels: each texel of the result is the mean over its area, partial texels included, so that means are preserved for any size. No box extends beyond the texture, so wrapping does not matter.
 fn resize(from: &Texture, [width, height]: [u32; 2]) -> Texture {
     let (columns, rows) = (taps(from.width, width), taps(from.height, height));
     let mut texels = Vec::with_capacity(width as usize * height as usize);
@@ -72,10 +68,10 @@ fn resize(from: &Texture, [width, height]: [u32; 2]) -> Texture {
     Texture { width, height, texels }
 }
 
-/// For each of `to` texels along an axis: the texels of `from` that it covers and their weights, which add up to 1.
+/// For each of `to` texels along an axis, the indices of the `from` texels that it covers and their weights, which sum to 1.
 fn taps(from: u32, to: u32) -> Vec<Vec<(usize, f64)>> {
     let (from, to) = (u64::from(from), u64::from(to));
-    // In units of a `to`-th of a fine texel everything is a whole number.
+    // In units of 1/`to` of a fine texel all positions are integers.
     let cover = |i: u64| {
         let (start, end) = (i * from, (i + 1) * from);
         (start / to..end.div_ceil(to))
@@ -85,15 +81,13 @@ fn taps(from: u32, to: u32) -> Vec<Vec<(usize, f64)>> {
     (0..to).map(cover).collect()
 }
 
-/// Scales coverage and colour so that `wanted` of the texels, as nearly as their number and equal ones among them allow, reach
-/// the threshold.
-// [Castano2010]. DEVIATION: the scale is found by sorting instead of bisection: it puts the threshold in the middle
-// between the last texel that shall pass and the first that shall not, so that 8 bits seldom change the result.
+/// Scales coverage and colour so that the fraction `wanted` of the texels reaches the threshold, as nearly as their number and equal values allow.
+// [Castano2010]. DEVIATION: the scale is found by sorting instead of bisection. The threshold is placed midway between the last texel that shall pass and the first that shall not, so that rounding to 8 bits seldom changes the result.
 fn scale_to_share(level: &mut Texture, threshold: f32, wanted: f64) {
     let mut coverage: Vec<f32> = level.texels.iter().map(|t| t[3]).filter(|a| *a > 0.0).collect();
     coverage.sort_by(|a, b| b.total_cmp(a));
     let passing = (wanted * level.texels.len() as f64).round() as usize;
-    // Equal texels pass together or not at all.
+    // Equal texels pass or fail together.
     let apart = |n: &usize| *n == 0 || *n == coverage.len() || coverage[n - 1] > coverage[*n];
     let Some(passing) = (0..=coverage.len()).filter(apart).min_by_key(|n| n.abs_diff(passing)) else {
         return;
@@ -103,7 +97,7 @@ fn scale_to_share(level: &mut Texture, threshold: f32, wanted: f64) {
     if last_in.is_none_or(|a| a >= threshold) && first_out.is_none_or(|a| a < threshold) {
         return;
     }
-    // At the ends by a step of 8 bits.
+    // At the ends by one step of 8 bits.
     let middle = match (last_in, first_out) {
         (Some(last), Some(first)) => 0.5 * (last + first),
         (Some(last), None) => last * (1.0 - 1.0 / 256.0),

@@ -1,4 +1,4 @@
-//! Hair grown by particles that rise through a box whose sides wrap around.
+//! Hair grown by particles that rise through a box with periodic sides.
 // [Lengyel2001] sec. 3.1
 
 use super::strand::{Hair, HairSource, Knot};
@@ -8,7 +8,7 @@ use pelage_core::scene::Particles;
 use pelage_fur::random::{hash2, random};
 use std::f32::consts::TAU;
 
-/// Hair of `source = "particles"` in a box of a size.
+/// The hairs of `source = "particles"`.
 pub(super) struct ParticleFur<'a> {
     parameters: &'a Particles,
     patch: Vec2,
@@ -23,7 +23,7 @@ impl<'a> ParticleFur<'a> {
     pub fn new(parameters: &'a Particles, patch: f32, height: f32, seed: u32) -> Self {
         let seed = hash2(seed, 0x7061_7274);
         let edge = Vec2::splat(patch);
-        // Eight steps a turn, so that curls are round.
+        // Eight steps per turn, so that curls are round.
         let turns = if parameters.curl > 0.0 { parameters.curl_frequency.clamp(0.0, 100.0) } else { 0.0 };
         let steps = 12.max((8.0 * turns).ceil() as u32);
         let clumps = ClumpCentres::new(parameters.clumps as f32, edge, hash2(seed, 1));
@@ -40,8 +40,7 @@ impl HairSource for ParticleFur<'_> {
         even_root(self.seed, i, self.parameters.count)
     }
 
-    // DEVIATION: the paper says that hair grows by particles but not how they move; curl and clumps are offsets from the particle's
-    // path here, so that they have a radius and a place that can be set, and every particle rises by equal steps.
+    // DEVIATION: the paper does not say how the particles move. Here curl and clumps are offsets from the particle's path, so that their radius and place can be set, and every particle rises by equal steps.
     fn hair(&self, i: u32) -> Hair {
         let p = self.parameters;
         let seed = hash2(hash2(self.seed, 2), i);
@@ -57,7 +56,7 @@ impl HairSource for ParticleFur<'_> {
             .map(|k| {
                 let s = k as f32 * ds;
                 if k > 0 {
-                    // Velocity across per height climbed: a random walk, and a fall that grows towards the tip.
+                    // Horizontal velocity per height: a random walk, and a drop that grows towards the tip.
                     let kick = Vec2::new(gauss(seed, 2 * k + 10), gauss(seed, 2 * k + 11));
                     slope += p.noise * ds.sqrt() * kick + Vec2::new(p.gravity * ds, 0.0);
                     path += slope * (height * ds);
@@ -79,7 +78,7 @@ impl HairSource for ParticleFur<'_> {
     }
 }
 
-/// About a normal deviate: the sum of four uniform ones.
+/// Approximately a standard normal deviate: the scaled sum of four uniform numbers.
 fn gauss(seed: u32, k: u32) -> f32 {
     let sum: f32 = (0..4).map(|j| random(hash2(seed, k), j)).sum();
     (sum - 2.0) * 3f32.sqrt()

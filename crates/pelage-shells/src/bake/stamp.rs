@@ -1,41 +1,41 @@
-//! What one hair leaves in one image: its steps, spread by a Gaussian over a few texels.
+//! The footprint of one hair in one image: its steps, spread by a Gaussian over a few texels.
 
 use glam::Vec2;
 
-/// Texels of an image that one hair touches, in coordinates of its own: (0, 0) is the texel of the root, nothing is wrapped yet.
+/// The texels that a hair touches, in its own coordinates: (0, 0) is the texel of the root, and nothing is wrapped yet.
 #[derive(Default)]
 pub(super) struct Stamp {
     steps: Vec<(Vec2, f32)>,
     kernel: [Vec<f32>; 2],
     touched: Vec<f32>,
-    /// Lowest column and row.
+    /// Lowest [column, row].
     pub origin: [i32; 2],
-    /// Columns and rows.
+    /// Number of [columns, rows].
     pub size: [usize; 2],
-    /// Optical depth, row by row.
+    /// Optical depths, row by row.
     pub depth: Vec<f32>,
 }
 
-/// Widest Gaussian, texels.
+/// Largest standard deviation of the Gaussian, texels.
 const WIDEST: f32 = 64.0;
 
 impl Stamp {
-    /// Forgets the hair before.
+    /// Removes all steps.
     pub fn clear(&mut self) {
         self.steps.clear();
     }
 
-    /// Adds a step at `at` (texels; a texel's centre lies at half) of an area counted in texels.
+    /// Adds a step at `at` (texels; texel centres are at half-integers) with an area in texels.
     pub fn push(&mut self, at: Vec2, area: f32) {
         self.steps.push((at, area));
     }
 
-    /// Area of all steps, texels.
+    /// Total area of the steps, texels.
     pub fn area(&self) -> f32 {
         self.steps.iter().map(|(_, area)| area).sum()
     }
 
-    /// Spreads the steps by a Gaussian of `sigma` texels; each step keeps its area. With `rows`, rows outside 0..rows are not there.
+    /// Spreads the steps by a Gaussian of standard deviation `sigma` texels; each step keeps its area. With `rows`, the Gaussian is confined to rows 0..rows.
     pub fn spread(&mut self, sigma: Vec2, rows: Option<u32>) {
         let sigma = sigma.clamp(Vec2::splat(0.05), Vec2::splat(WIDEST));
         let reach = (3.0 * sigma).ceil().as_ivec2();
@@ -81,20 +81,19 @@ impl Stamp {
         }
     }
 
-    /// How far the steps lie apart, texels: the diagonal of their bounds.
+    /// Extent of the steps, texels: the diagonal of their bounding box.
     pub fn extent(&self) -> f32 {
         let start = (Vec2::splat(f32::INFINITY), Vec2::splat(f32::NEG_INFINITY));
         let (low, high) = self.steps.iter().fold(start, |(low, high), (at, _)| (low.min(*at), high.max(*at)));
         if self.steps.is_empty() { 0.0 } else { (high - low).length() }
     }
 
-    /// Raises the depths until the hair, alone, covers its area: where it lies deep over itself, 1 - exp(-tau) covers less.
-    /// Hairs at random places then hide as much as Beer and Lambert say, since each hides its own part of what is left.
+    /// Scales the depths until the hair alone covers its area; where it overlaps itself, 1 − exp(−τ) covers less. Hairs at random places then attenuate light according to the Beer–Lambert law, because each covers its fraction of what is left.
     pub fn cover(&mut self) {
         self.touched.clear();
         self.touched.extend(self.depth.iter().filter(|d| **d > 0.0));
         let area: f32 = self.touched.iter().sum();
-        // Newton's method from below on a concave function: it does not overshoot.
+        // Newton's method from below on a concave function does not overshoot.
         let mut gain = 1.0f32;
         for _ in 0..24 {
             let (mut covered, mut slope) = (0.0, 0.0);
@@ -113,17 +112,16 @@ impl Stamp {
     }
 }
 
-/// Width of the Gaussian over which a hair of `area` texels, `diameter` texels thick along both axes and `extent` texels long has room
-/// to be covered whole; at least half a texel, and as wide as the hair.
+/// Standard deviation of the Gaussian with which a hair of `area` texels, `diameter` texels thick along both axes and `extent` texels long, can cover its whole area; at least [`sigma_of`] the diameter.
 pub(super) fn roomy_sigma(diameter: Vec2, extent: f32, area: f32) -> Vec2 {
     let sigma = sigma_of(diameter);
-    // A Gaussian of optical depth 12 in its middle covers 6.1 pi sigma²; along a line about 5 sigma.
+    // A Gaussian with a peak optical depth of 12 covers 6.1 π σ²; along a line it covers a width of about 5 σ.
     let mean = (sigma.x * sigma.y).sqrt();
     let room = 19.2 * mean * mean + 5.0 * mean * extent;
     sigma * (area / room).sqrt().max(1.0)
 }
 
-/// Half a texel, widened by the hair: a disc's spread along an axis is a quarter of its diameter.
+/// Standard deviation of half a texel, widened by the hair: a disc has a standard deviation of a quarter of its diameter along an axis.
 pub(super) fn sigma_of(diameter: Vec2) -> Vec2 {
     let quarter = 0.25 * diameter;
     (Vec2::splat(0.25) + quarter * quarter).map(f32::sqrt)

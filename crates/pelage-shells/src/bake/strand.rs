@@ -1,38 +1,38 @@
-//! Hairs on a torus: what the makers of textures grow and what is sampled into layers and fins.
+//! Hairs on a torus, as the sources of textures grow them, before they are sampled into layers and fins.
 
 use glam::Vec3;
 
-/// A point of a hair.
+/// A vertex of a hair.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Knot {
-    /// From the root, cm: along u, along v, up. Not wrapped.
+    /// Offset from the root along u, along v and upwards, cm; not wrapped.
     pub offset: Vec3,
     /// Diameter, cm.
     pub diameter: f32,
-    /// What the hair hides of what it covers; above 1 where it stands for several.
+    /// Opacity; above 1 if the hair represents several.
     pub opacity: f32,
     /// Linear RGB.
     pub color: Vec3,
 }
 
-/// A hair: straight pieces between its knots, root first.
+/// A hair: straight pieces between knots, root first.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hair {
-    /// Root on the torus, 0..1 along u and v; other values are wrapped.
+    /// Root on the torus, in units of its edges along u and v; wrapped to 0..1.
     pub root: [f32; 2],
-    /// Its points.
+    /// Knots, root first.
     pub knots: Vec<Knot>,
     /// Whether it is a guard hair.
     pub guard: bool,
 }
 
-/// Hairs that can be grown in any order, as often as wanted: the i-th is always the same.
+/// Hairs that can be grown in any order and repeatedly; hair `i` is always the same.
 pub trait HairSource: Sync {
     /// Number of hairs.
     fn count(&self) -> u32;
-    /// Grows the hair of a number below `count`.
+    /// Grows hair `i` < `count`.
     fn hair(&self, i: u32) -> Hair;
-    /// Its root alone.
+    /// Root of hair `i`.
     fn root(&self, i: u32) -> [f32; 2];
 }
 
@@ -53,7 +53,7 @@ impl HairSource for Vec<Hair> {
 /// A short piece of a hair.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Step {
-    /// Its middle, from the root, cm.
+    /// Midpoint relative to the root, cm.
     pub at: Vec3,
     /// Length, cm.
     pub length: f32,
@@ -69,10 +69,10 @@ impl Hair {
         self.area_below(f32::INFINITY)
     }
 
-    /// The same of the part below a height in cm.
+    /// Length x diameter x opacity of the part below a height in cm, cm².
     pub fn area_below(&self, height: f32) -> f64 {
         let mut sum = 0.0;
-        // Pieces of any length serve: the parts below the height are found exactly, but for the taper within a piece.
+        // Exact for pieces of any length, except for the taper within a piece.
         for pair in self.knots.windows(2) {
             let [a, b] = [pair[0], pair[1]];
             let (low, high) = (a.offset.z.min(b.offset.z), a.offset.z.max(b.offset.z));
@@ -93,7 +93,7 @@ impl Hair {
         self.knots.iter().map(|k| k.diameter).fold(0.0, f32::max)
     }
 
-    /// Cuts the hair into steps no longer than `cell` (cm) along each axis, and hands out those with their middle from `low` to `high` cm.
+    /// Divides the hair into steps no longer than `cell` (cm) along each axis and passes those with a midpoint from `low` to `high` cm to `step`.
     pub(super) fn steps(&self, cell: Vec3, low: f32, high: f32, mut step: impl FnMut(Step)) {
         for pair in self.knots.windows(2) {
             let [a, b] = [&pair[0], &pair[1]];
@@ -110,7 +110,7 @@ impl Hair {
                 if at.z < low || at.z > high {
                     continue;
                 }
-                // Linear from knot to knot, the sum as that of the whole piece.
+                // Area varies linearly from knot to knot; its sum is that of the whole piece.
                 let middle = 0.5 * (a.diameter * a.opacity + b.diameter * b.opacity);
                 let here = a.diameter * a.opacity * (1.0 - x) + b.diameter * b.opacity * x;
                 let area = if middle > 0.0 { area * here / middle } else { 0.0 };

@@ -1,18 +1,18 @@
-//! Random structure that wraps around: noise and clump centres on a torus.
+//! Random structures on a torus: noise, clump centres and roots that wrap around.
 
 use glam::Vec2;
 use noise::{NoiseFn, Simplex};
 use pelage_fur::random::{R2_STEPS, hash2, random};
 use std::f64::consts::TAU;
 
-/// Standard deviation of the `noise` crate's simplex noise in space, over all places and seeds.
+/// Standard deviation of the `noise` crate's three-dimensional simplex noise over all points and seeds.
 pub(super) const NOISE_SPREAD: f64 = 0.279;
 
-/// Points a side of the grid on which a noise is measured.
+/// Points per side of the grid on which a noise is measured.
 const GRID: u32 = 48;
 
-/// Simplex noise that repeats with the torus: noise in four dimensions on a torus that lies flat in them, so that lengths are kept.
-/// Its mean over the torus is zero and its spread that of simplex noise in space.
+/// Simplex noise with the period of the torus: four-dimensional noise on a flat torus embedded in four dimensions, so that lengths are preserved. Its mean over the torus is 0, its standard deviation that of three-dimensional simplex noise.
+// [Gustavson2005]
 pub(super) struct PeriodicNoise {
     simplex: Simplex,
     radius: [f64; 2],
@@ -22,7 +22,7 @@ pub(super) struct PeriodicNoise {
 }
 
 impl PeriodicNoise {
-    /// Noise of `periods` bumps along u and v; `shift` tells noises of one seed apart. Less than one bump becomes a swell of a lower height.
+    /// Noise with `periods` bumps along u and v; `shift` distinguishes noises of the same seed. With less than one bump the amplitude is lower.
     pub fn new(seed: u32, periods: [f32; 2], shift: f64) -> Self {
         let radius = periods.map(|p| f64::from(p) / TAU);
         let mut noise = Self { simplex: Simplex::new(seed), radius, shift, mean: 0.0, gain: 1.0 };
@@ -35,7 +35,7 @@ impl PeriodicNoise {
         let count = f64::from(GRID * GRID);
         noise.mean = sum / count;
         let deviation = (squares / count - noise.mean * noise.mean).max(0.0).sqrt();
-        // A torus smaller than a bump holds a part of it; that is not blown up to a whole one.
+        // A torus smaller than a bump contains only part of it, which is not amplified to a whole one.
         noise.gain = (NOISE_SPREAD / deviation.max(1e-6)).min(3.0);
         noise
     }
@@ -47,26 +47,27 @@ impl PeriodicNoise {
         self.simplex.get(at.map(|x| x + self.shift))
     }
 
-    /// The noise at a place, 1 the edges of the torus.
+    /// The noise at `uv`, in units of the torus's edges.
     pub fn at(&self, uv: Vec2) -> f32 {
         let wrapped = uv - uv.floor();
         ((self.raw([f64::from(wrapped.x), f64::from(wrapped.y)]) - self.mean) * self.gain) as f32
     }
 }
 
-/// Clump centres: one at random in each cell of a grid that wraps around.
+/// Clump centres: one at a random place in each cell of a grid that wraps around.
+// [Worley1996]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClumpCentres {
     /// Cells along u and v.
     pub cells: [u32; 2],
     /// Edges of the torus, cm.
     pub patch: Vec2,
-    /// Seed of the places.
+    /// Seed of the random places.
     pub seed: u32,
 }
 
 impl ClumpCentres {
-    /// About `count` centres in cells as square as may be.
+    /// About `count` centres, in cells that are as nearly square as possible.
     pub fn new(count: f32, patch: Vec2, seed: u32) -> Self {
         let count = count.clamp(1.0, 1e8);
         let along = (count * patch.x / patch.y).sqrt().round().clamp(1.0, count.max(1.0));
@@ -74,7 +75,7 @@ impl ClumpCentres {
         Self { cells, patch, seed }
     }
 
-    /// From a place (1 the edges of the torus) to the nearest centre, cm.
+    /// Vector from `uv` (in units of the torus's edges) to the nearest centre, cm.
     pub fn nearest(&self, uv: Vec2) -> Vec2 {
         let n = Vec2::new(self.cells[0] as f32, self.cells[1] as f32);
         let at = (uv - uv.floor()) * n;
@@ -94,14 +95,15 @@ impl ClumpCentres {
     }
 }
 
-/// A place of the i-th of many roots that lie evenly, but not in rows: a low-discrepancy sequence, shaken.
+/// Place of root `i` of `count` in units of the torus's edges: a jittered low-discrepancy sequence, even but without visible rows.
+// [Roberts2018]
 pub(super) fn even_root(seed: u32, i: u32, count: u32) -> [f32; 2] {
     let h = hash2(seed, i);
     let shake = 2.0 / f64::from(count.max(1)).sqrt();
     [(0u32, R2_STEPS[0]), (1, R2_STEPS[1])].map(|(k, step)| {
         let start = f64::from(random(seed, k));
         let x = start + f64::from(i) * step + shake * f64::from(random(h, 20 + k) - 0.5);
-        // 24 bits, so that no place rounds up to 1.
+        // Truncated to 24 bits, so that no place rounds up to 1.
         ((x - x.floor()) * 16_777_216.0).floor() as f32 / 16_777_216.0
     })
 }
@@ -139,7 +141,7 @@ mod tests {
                 sum += f64::from(x);
                 squares += f64::from(x * x);
             }
-            // The border is no step.
+            // There is no step at the border.
             for k in 0..50 {
                 let y = k as f32 / 50.0;
                 for (low, high) in [

@@ -1,7 +1,6 @@
-//! The groom's undercoat on a torus, realised as hairs: so many, so thick and as uneven as `shaders/shared/clumps.wgsl` makes the volume.
+//! The groom's undercoat on a torus, realised as hairs with the number, thickness and unevenness of the volume (`shaders/shared/clumps.wgsl`).
 //!
-//! Hairs stand denser where the noise is high, end where the volume's noise lets it end, and bend to and fro as its tangents do. What
-//! light meets along the way is the volume's: hairs/cm² times diameter, whatever the bends.
+//! Hairs are denser where the noise is high, end where the volume's noise ends them, and wander as the volume's tangents do. Their optical depth is the volume's, hairs/cm² times diameter, however they bend.
 
 use super::guard::whole;
 use super::means::SkinSamples;
@@ -15,20 +14,20 @@ use pelage_fur::undercoat::{
     LEAN_STRETCH, LOCKS_SCALE, LOCKS_SHIFT, SWELLS_SHIFT, clump_factor, end_height, hair_top, taper,
 };
 
-/// Knots of a hair after its root.
+/// Knots of a hair besides its root.
 const SEGMENTS: u32 = 9;
 
-/// Change of brightness from hair to hair.
+/// Largest relative variation of brightness between hairs.
 const TONE: f32 = 0.2;
 
-/// Candidates for a root before the last one is taken.
+/// Rejection-sampling attempts for a root; the last candidate is accepted.
 const ATTEMPTS: u32 = 64;
 
-/// Undercoat of a patch.
+/// The undercoat of a patch.
 pub(super) struct UndercoatFur<'a> {
-    coat: &'a Undercoat,
+    undercoat: &'a Undercoat,
     count: u32,
-    /// Hairs that each stands for.
+    /// Number of hairs that each one represents.
     weight: f32,
     /// Height of the volume, cm.
     pub height: f32,
@@ -42,10 +41,9 @@ pub(super) struct UndercoatFur<'a> {
 }
 
 impl<'a> UndercoatFur<'a> {
-    /// The undercoat of `coat` on a torus of `patch` cm; at most `most` hairs, each then standing for several. `combed` stretches the
-    /// noise along u as the volume's is along its lean.
+    /// The undercoat `undercoat` on a torus of `patch` cm, as at most `most` hairs, each representing several if there are more. `combed` stretches the noise along u, as the volume's is along its lean.
     pub fn new(
-        coat: &'a Undercoat,
+        undercoat: &'a Undercoat,
         means: &SkinSamples,
         patch: f32,
         combed: bool,
@@ -56,12 +54,12 @@ impl<'a> UndercoatFur<'a> {
         let wanted =
             if height > 0.0 { means.scalar(Parameter::UndercoatDensity) * patch * patch } else { 0.0 };
         let (count, weight) = whole(wanted, most);
-        // Frequencies in the domain of uv are per unit of uv.
-        let unit = match coat.noise_domain {
+        // In the uv domain, frequencies are per unit of uv.
+        let unit = match undercoat.noise_domain {
             NoiseDomain::Uv => means.uv_unit().unwrap_or(1.0),
             NoiseDomain::Object => 1.0,
         };
-        let stretch = if combed && coat.lean > 0.0 { 1.0 - LEAN_STRETCH } else { 1.0 };
+        let stretch = if combed && undercoat.lean > 0.0 { 1.0 - LEAN_STRETCH } else { 1.0 };
         let periods = |frequency: f32, stretch: f32| {
             let n = (frequency * patch / unit).min(1e4);
             [n * stretch, n]
@@ -74,24 +72,28 @@ impl<'a> UndercoatFur<'a> {
             patch,
             color_root: means.color(Parameter::UndercoatColorRoot),
             color_tip: means.color(Parameter::UndercoatColorTip),
-            clumps: PeriodicNoise::new(seed, periods(coat.noise_frequency, stretch), 0.0),
+            clumps: PeriodicNoise::new(seed, periods(undercoat.noise_frequency, stretch), 0.0),
             locks: PeriodicNoise::new(
                 seed,
-                periods(LOCKS_SCALE * coat.noise_frequency, stretch),
+                periods(LOCKS_SCALE * undercoat.noise_frequency, stretch),
                 f64::from(LOCKS_SHIFT),
             ),
-            swells: PeriodicNoise::new(seed, periods(coat.height_frequency, 1.0), f64::from(SWELLS_SHIFT)),
+            swells: PeriodicNoise::new(
+                seed,
+                periods(undercoat.height_frequency, 1.0),
+                f64::from(SWELLS_SHIFT),
+            ),
             seed: hash2(seed, 0x756e_6465),
         }
     }
 
-    /// The volume's factor for clumps at height `t` above a place (1 the edges of the torus).
+    /// The volume's clump factor at height `t` above `at`, in units of the torus's edges.
     fn clump(&self, at: Vec2, t: f32) -> f32 {
-        clump_factor(self.coat.noise_contrast, t, self.clumps.at(at), self.locks.at(at))
+        clump_factor(self.undercoat.noise_contrast, t, self.clumps.at(at), self.locks.at(at))
     }
 }
 
-/// Height within the hair's part of the volume where hairs are densest against one another: roots are drawn for the clumps there.
+/// Height at which the clump factor is evaluated for drawing roots: where hairs compete most.
 const MIDDLE: f32 = 0.5;
 
 impl HairSource for UndercoatFur<'_> {
@@ -104,8 +106,10 @@ impl HairSource for UndercoatFur<'_> {
         let mut at = Vec2::ZERO;
         for k in 0..ATTEMPTS {
             at = Vec2::new(random(seed, 3 * k + 100), random(seed, 3 * k + 101));
-            // The noise stays within about one, the factor so below 1 + 0.675 x 1.1 of the contrast.
-            if random(seed, 3 * k + 102) * (1.0 + 0.75 * self.coat.noise_contrast) < self.clump(at, MIDDLE) {
+            // The noises stay within about ±1, so the factor stays below 1 + 0.675 x 1.1 times the contrast.
+            if random(seed, 3 * k + 102) * (1.0 + 0.75 * self.undercoat.noise_contrast)
+                < self.clump(at, MIDDLE)
+            {
                 break;
             }
         }
@@ -113,21 +117,20 @@ impl HairSource for UndercoatFur<'_> {
     }
 
     fn hair(&self, i: u32) -> Hair {
-        let coat = self.coat;
+        let undercoat = self.undercoat;
         let seed = hash2(self.seed, i);
         let root = self.root(i);
         let at = Vec2::from(root);
-        // Shares of the hairs that have ended, drawn evenly: the volume thins out as the hairs end one after the other.
+        // The fractions of ended hairs are evenly distributed, so that the volume thins out as hairs end one after the other.
         let ended = (0.618_034 * f64::from(i) + f64::from(random(self.seed, 0))).fract() as f32;
-        let top = hair_top(coat.height_variation, self.swells.at(at), self.locks.at(at));
+        let top = hair_top(undercoat.height_variation, self.swells.at(at), self.locks.at(at));
         let end = end_height(top, ended).clamp(0.02, 1.0);
         let height = end * self.height;
         let jitter = 2.0 * Vec2::new(random(seed, 0), random(seed, 1)) - 1.0;
         let turns = [0, 1, 2].map(|k| random_direction(seed, 10 + 2 * k));
-        let ratio = coat.diameter[1] / coat.diameter[0].max(1e-6);
+        let ratio = undercoat.diameter[1] / undercoat.diameter[0].max(1e-6);
         let middle = self.clump(at, MIDDLE).max(1e-3);
-        // DEVIATION: the volume has one colour at a height. Hairs of one colour are fog where they are dense, so that they differ here, by as
-        // much as leaves the mean.
+        // DEVIATION: the volume has one colour per height. Dense hairs of a single colour look like fog, so brightness varies between hairs, as far as the mean can be kept.
         let brightest = self.color_root.max(self.color_tip).max_element().max(1e-3);
         let tone = 1.0 + TONE.min((1.0 / brightest - 1.0).max(0.0)) * (2.0 * random(seed, 2) - 1.0);
         let mut offset = Vec3::ZERO;
@@ -136,27 +139,27 @@ impl HairSource for UndercoatFur<'_> {
             .map(|k| {
                 let s = k as f32 / SEGMENTS as f32;
                 let t = s * end;
-                let growth = t.powf(coat.jitter_exponent);
+                let growth = t.powf(undercoat.jitter_exponent);
                 if k > 0 {
-                    // The direction wanders through three random turns.
+                    // The direction is interpolated between three random ones.
                     let x = 2.0 * s;
                     let turn =
                         if x < 1.0 { turns[0].lerp(turns[1], x) } else { turns[1].lerp(turns[2], x - 1.0) };
-                    let d = Vec3::Z + coat.tangent_jitter * growth * turn;
+                    let d = Vec3::Z + undercoat.tangent_jitter * growth * turn;
                     let step = (d / d.z.max(0.3)).truncate().extend(1.0) * (height / SEGMENTS as f32);
                     length += step.length();
                     offset += step;
                 }
-                let clump = self.clump(at + coat.uv_jitter * growth * jitter / self.patch, t).max(0.0);
+                let clump = self.clump(at + undercoat.uv_jitter * growth * jitter / self.patch, t).max(0.0);
                 Knot {
                     offset,
-                    diameter: coat.diameter[0] * taper(ratio, t) * 1e-4,
+                    diameter: undercoat.diameter[0] * taper(ratio, t) * 1e-4,
                     opacity: self.weight * clump / middle,
                     color: self.color_root.lerp(self.color_tip, t) * tone,
                 }
             })
             .collect();
-        // Bends make a hair longer, not the volume thicker.
+        // Bends lengthen a hair but must not increase the optical depth.
         let straight = if length > 0.0 { height / length } else { 1.0 };
         knots.iter_mut().for_each(|k| k.opacity *= straight);
         Hair { root, knots, guard: false }

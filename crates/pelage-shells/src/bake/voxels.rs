@@ -1,4 +1,4 @@
-//! Hairs sampled into layers: at each texel a tall Gaussian meets the hairs.
+//! Samples hairs into layers: at each texel a tall Gaussian meets the hairs.
 // [Lengyel2001] sec. 3.1
 
 use super::Texture;
@@ -7,49 +7,48 @@ use super::strand::{Hair, HairSource};
 use glam::{Vec2, Vec3};
 use rayon::prelude::*;
 
-/// A box of layers over a torus.
+/// A stack of layers over a torus.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Block {
-    /// Edges of the torus, cm.
+    /// Edges of the torus along u and v, cm.
     pub patch: [f32; 2],
     /// Height, cm.
     pub height: f32,
-    /// Layers.
+    /// Number of layers.
     pub layers: u32,
     /// Texels of a layer along u and v.
     pub resolution: [u32; 2],
 }
 
-/// What stays the same when a hair becomes texels.
+/// Quantity that is preserved when a hair is sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
-    /// Optical depth: the depths of a hair's texels, times their area, sum to its length x diameter.
+    /// Optical depth: the sum of the depths of a hair's texels, times their area, is its length x diameter.
     Depth,
-    /// Coverage: the coverages of a hair's texels, as if it were alone, sum to its length x diameter. Many hairs then let through what Beer
-    /// and Lambert say, whatever the size of the texels.
+    /// Coverage: the sum of the coverages of a hair's texels, as if it were alone, times their area, is its length x diameter. The transmittance of many hairs then follows the Beer–Lambert law, whatever the size of the texels.
     Coverage,
 }
 
-/// Layers and what they hold of the hairs.
+/// The layers and their optical depths.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Voxels {
     /// All hairs: premultiplied colour and coverage.
     pub layers: Vec<Texture>,
-    /// The guard hairs' part; empty where there is none to tell apart.
+    /// Contribution of the guard hairs; empty if they are not separate.
     pub guard: Vec<Texture>,
-    /// Length x diameter of the hairs in each layer over the area of the torus.
+    /// Length x diameter of the hairs in each layer, over the area of the torus.
     pub optical_depth: Vec<f64>,
     /// Length x diameter of hair above the block, which is in no layer, over the area of the torus.
     pub above: f64,
 }
 
-/// Hairs grown at a time.
+/// Hairs grown in parallel before they are sampled.
 const BATCH: u32 = 4096;
 
-/// Reach of the Gaussian upwards and downwards, spacings; its spread is half a spacing.
+/// Half-width of the vertical Gaussian, spacings; its standard deviation is half a spacing.
 const REACH: f32 = 1.5;
 
-/// The part of a place `x` spacings high that falls to layer `l` of `n`. The parts of all layers sum to 1.
+/// Weight of layer `l` of `n` at height `x` in spacings. The weights of all layers sum to 1.
 fn share(x: f32, l: u32, n: u32) -> f32 {
     let weight = |j: i32| {
         let d = x - j as f32 - 0.5;
@@ -60,7 +59,7 @@ fn share(x: f32, l: u32, n: u32) -> f32 {
     if sum > 0.0 { weight(l as i32) / sum } else { 0.0 }
 }
 
-/// A layer while hairs are added: colour x depth and depth.
+/// A layer during accumulation: colour times depth, and depth.
 struct Layer {
     all: Vec<[f32; 4]>,
     guard: Vec<[f32; 4]>,
@@ -68,8 +67,7 @@ struct Layer {
     stamp: Stamp,
 }
 
-/// Samples hairs into layers. `split` keeps the guard hairs' part. The result does not depend on the number of threads, and where all
-/// roots move by whole texels it moves with them, bit by bit.
+/// Samples hairs into layers; `split` keeps the guard hairs' contribution. The result does not depend on the number of threads. If all roots are moved by whole texels, it moves with them, bit by bit.
 pub fn voxelise(fur: &impl HairSource, block: &Block, keep: Keep, split: bool) -> Voxels {
     let [width, height] = block.resolution;
     let texels = width as usize * height as usize;
@@ -85,7 +83,7 @@ pub fn voxelise(fur: &impl HairSource, block: &Block, keep: Keep, split: bool) -
         let end = start.saturating_add(BATCH).min(fur.count());
         let hairs: Vec<Hair> = (start..end).into_par_iter().map(|i| fur.hair(i)).collect();
         above += hairs.iter().map(|h| h.area() - h.area_below(block.height)).sum::<f64>();
-        // A layer meets its hairs in their order, whatever the number of threads.
+        // Each layer adds the hairs in order, whatever the number of threads.
         layers.par_iter_mut().enumerate().for_each(|(l, layer)| {
             hairs.iter().for_each(|hair| layer.add(hair, l as u32, block, keep));
         });
@@ -156,7 +154,7 @@ impl Layer {
         }
     }
 
-    /// Depths to coverage; the guard hairs' part of it is that of the depth.
+    /// Converts depths to coverage; the guard hairs keep their fraction of the depth.
     fn finish(mut self, width: u32, height: u32) -> (Texture, Texture) {
         for (i, texel) in self.all.iter_mut().enumerate() {
             let depth = texel[3];
