@@ -1,7 +1,7 @@
 // Step 4: the skin. The raster stage writes only which triangle is nearest at each sample; `shade`
 // turns that into base records, lit from the lattice's columns. [Andersen2016] table 1
-// In: `shell_vertices`, `prisms`, `base_light` (radiance at the columns). Out: `base_records`, one per sample
-// (shared/base): depth in cm, linear RGB radiance, normal.
+// In: `shell_vertices`, `prisms`, `base_light` (radiance at the columns). Out: `base_records`, one
+// per sample (shared/base): depth in cm, linear RGB radiance, normal.
 
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;

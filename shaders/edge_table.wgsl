@@ -1,7 +1,7 @@
 // Step 1: neighbours of the triangles over their edges, [Andersen2016] sec. 3.2. A hash table over
-// 64-bit keys of directed edges: `insert` enters every edge in counter-clockwise direction, `lookup` finds the
-// reversed key. A slot holds the number of the edge that came first; its key is read from the
-// triangles, so that no 64-bit atomics are needed.
+// 64-bit keys of directed edges: `insert` enters every edge in counter-clockwise direction,
+// `lookup` finds the reversed key. A slot holds the number of the edge that came first; its key is
+// read from the triangles, so that no 64-bit atomics are needed.
 // In: `triangles`, three vertices each. Out: `neighbours`, the triangle over the edge opposite each
 // corner, or NONE.
 
@@ -20,8 +20,8 @@ struct EdgeCounts {
 #import shared/random
 #import shared/index
 
-// Vertices of a directed edge. Edge 3 t + k of triangle t is opposite corner k: from corner k + 1 to
-// corner k + 2.
+// Vertices of a directed edge. Edge 3 t + k of triangle t is opposite corner k: from corner k + 1
+// to corner k + 2.
 fn edge_key(edge: u32) -> vec2u {
     let base = edge - edge % 3u;
     let k = edge % 3u;

@@ -1,8 +1,8 @@
 // Step 7: film samples to pixels, by a separable reconstruction filter over the sample grid. The
 // sum runs in a fixed order, so that the result does not depend on threads.
-// In: `samples` (shared/film_sample), the filter's weights in `reconstruction`. Out: `pixels`, plane by plane: linear
-// RGB and alpha; guard hairs, undercoat, skin; normal; transmittance; fragments; depth (cm) times
-// opacity, and opacity.
+// In: `samples` (shared/film_sample), the filter's weights in `reconstruction`. Out: `pixels`,
+// plane by plane: linear RGB and alpha; guard hairs, undercoat, skin; normal; transmittance;
+// fragments; depth (cm) times opacity, and opacity.
 
 struct Reconstruction {
     origin: vec2i,          // first pixel of the tile, relative to the tile's first sample

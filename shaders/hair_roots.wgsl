@@ -1,7 +1,8 @@
 // Step 1: roots of the guard hairs with a density map, [VanGelderWilhelms1997], [Andersen2016]
 // sec. 3. Number and positions of a triangle's roots are drawn from its id, so that the result
 // does not depend on the order of threads.
-// In: `root_range`, skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by `emit`.
+// In: `root_range`, skin triangles, density map (1/cm2). Out: `root_counts` by `count`, `roots` by
+// `emit`.
 
 struct RootRange {
     first: u32,      // first triangle

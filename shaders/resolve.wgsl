@@ -1,7 +1,7 @@
 // Step 7: fragments to film samples. `exact` reads the fragments of a sample in order and marches
 // the undercoat between them, so that both media attenuate each other at their true depths without
-// virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored: shell
-// fragments with [Andersen2016] eq. 4, virtual fragments as they are.
+// virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored:
+// shell fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's nodes),
 // `base_records`. Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
 

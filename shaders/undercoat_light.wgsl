@@ -30,8 +30,8 @@ struct Sweep {
 #import shared/tau
 #import shared/transmittance
 
-// Extinction by undercoat and guard hairs at a place towards w, 1/cm. It is read from the lattice, not
-// from the finer volume, as the optical depths are stored no finer either.
+// Extinction by undercoat and guard hairs at a place towards w, 1/cm. It is read from the lattice,
+// not from the finer volume, as the optical depths are stored no finer either.
 fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
     let cell = lattice_cell(place);
     var sum = vec2f(0.0);

@@ -93,8 +93,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 continue;
             }
             // The step, split where a virtual fragment is full. Fragments have equal opacity, so
-            // that none is wasted where little is visible. DEVIATION: [Andersen2016] sec. 3.3 joins a
-            // fixed number of steps.
+            // that none is wasted where little is visible. DEVIATION: [Andersen2016] sec. 3.3 joins
+            // a fixed number of steps.
             var z = z0;
             let rest = exp(-march.sigma * (z1 - z0)); // [Max1995]
             let through_end = through * rest;

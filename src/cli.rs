@@ -1,7 +1,8 @@
 //! The command line. Results go to stdout; progress, warnings and errors to stderr.
 //!
-//! Exit codes: 0 success; 1 rendering, input or output failed, a comparison exceeds a threshold, or a goal is missed; 2 wrong usage; 3 the
-//! scene or an asset is not valid; 4 no adapter, or its limits are too low; 5 device lost; 130 interrupted.
+//! Exit codes: 0 success; 1 rendering, input or output failed, a comparison exceeds a threshold, or
+//! a goal is missed; 2 wrong usage; 3 the scene or an asset is not valid; 4 no adapter, or its
+//! limits are too low; 5 device lost; 130 interrupted.
 
 mod args;
 mod bake;
@@ -73,13 +74,15 @@ enum Command {
     Bake(bake::BakeArgs),
     /// Cover a mesh with lapped patches: uv for small fur textures, pictures, statistics
     Lapped(lapped::LappedArgs),
-    /// Compare two images: light, structure, FLIP, HDR-FLIP and detail; overall, at the silhouette and inside
+    /// Compare two images: light, structure, FLIP, HDR-FLIP and detail; overall, at the silhouette
+    /// and inside
     Compare(compare::CompareArgs),
     /// Measure time and memory in the rows of Andersen et al. 2016, Table 1
     Bench(bench::BenchArgs),
     /// Produce figures and tables of the papers from paper_figures/
     Figure(figure::FigureArgs),
-    /// Measure the approximations against the ground truth and write a report; exit with 1 if a goal is missed
+    /// Measure the approximations against the ground truth and write a report; exit with 1 if a
+    /// goal is missed
     Validate(validate::ValidateArgs),
 }
 

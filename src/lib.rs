@@ -1,19 +1,24 @@
-//! pelage renders hybrid fur: guard hairs as strands and undercoat as a ray-marched volume in a shell over the skin, blended per sample so
-//! that each attenuates the other. The method is that of Andersen et al. 2016; deviations from it are marked in the source.
+//! pelage renders hybrid fur: guard hairs as strands and undercoat as a ray-marched volume in a
+//! shell over the skin, blended per sample so that each attenuates the other. The method is that of
+//! Andersen et al. 2016; deviations from it are marked in the source.
 //!
 //! # Data flow
 //!
-//! A scene file becomes a [`Scene`]: plain values, with preset, includes and overrides merged. All faults of the file are reported at once.
-//! The files that the scene names are loaded into a [`World`]: the mesh, repaired, scaled and smoothed, as a [`Skin`]; the lights, including
-//! those that replace an environment map; and the groom's maps.
+//! A scene file becomes a [`Scene`]: plain values, with preset, includes and overrides merged. All
+//! faults of the file are reported at once. The files that the scene names are loaded into a
+//! [`World`]: the mesh, repaired, scaled and smoothed, as a [`Skin`]; the lights, including those
+//! that replace an environment map; and the groom's maps.
 //!
-//! [`render::render`] opens an adapter, uploads the groom, and prepares all that does not depend on the tile: the prism shell, the
-//! undercoat's densities, the optical-depth lattice and, if they fit the memory budget, the shaded strands. The remaining passes run once per
-//! tile: the nearest triangles of the skin, the entries of rays into the shell, the fragments of strands, and the resolve pass, which sorts
-//! the fragments of a sample and marches the undercoat between them. A reconstruction filter turns samples into pixels.
+//! [`render::render`] opens an adapter, uploads the groom, and prepares all that does not depend on
+//! the tile: the prism shell, the undercoat's densities, the optical-depth lattice and, if they fit
+//! the memory budget, the shaded strands. The remaining passes run once per tile: the nearest
+//! triangles of the skin, the entries of rays into the shell, the fragments of strands, and the
+//! resolve pass, which sorts the fragments of a sample and marches the undercoat between them. A
+//! reconstruction filter turns samples into pixels.
 //!
-//! The result is a [`film::Film`] of named, premultiplied planes. Depth of field and background are applied to it, and [`film::io`] writes it
-//! as EXR or PNG, whole or not at all. [`render::Stats`] has counts and times in the rows of the paper's Table 1.
+//! The result is a [`film::Film`] of named, premultiplied planes. Depth of field and background are
+//! applied to it, and [`film::io`] writes it as EXR or PNG, whole or not at all. [`render::Stats`]
+//! has counts and times in the rows of the paper's Table 1.
 //!
 //! # An image in a few calls
 //!
@@ -37,7 +42,8 @@
 //! ```
 //! use pelage::{Scene, World, assets::Assets};
 //!
-//! let scene = Scene::parse("preset = 'rabbit'\n[mesh]\nshape = 'sphere'", "ball.toml", &["mesh.size=2".into()])?;
+//! let text = "preset = 'rabbit'\n[mesh]\nshape = 'sphere'";
+//! let scene = Scene::parse(text, "ball.toml", &["mesh.size=2".into()])?;
 //! let world = World::load(scene, &Assets::default())?;
 //! let hairs = world.skin.area() * f64::from(world.scene.guard.density.max());
 //! assert!((world.skin.area() - 4.0 * std::f64::consts::PI).abs() < 0.2);
@@ -48,7 +54,8 @@
 //! All faults of a scene file are reported together, each with file and line:
 //!
 //! ```
-//! let fault = pelage::Scene::parse("[mesh]\nshape = 'sphear'\n[film]\nspp = 0", "ball.toml", &[]).unwrap_err();
+//! let text = "[mesh]\nshape = 'sphear'\n[film]\nspp = 0";
+//! let fault = pelage::Scene::parse(text, "ball.toml", &[]).unwrap_err();
 //! assert_eq!(fault.exit_code(), 3);
 //! let text = fault.to_string();
 //! assert!(text.contains("ball.toml:2:") && text.contains("did you mean"), "{text}");
@@ -66,8 +73,9 @@
 //! | [`fibre`] | scattering of light by single hairs |
 //! | [`export`], [`compare`](mod@compare) | scenes and hair for other renderers; metrics of images |
 //!
-//! The crates `pelage-core`, `pelage-fur` and so on are internal: their interfaces change without notice. The items listed here are the
-//! stable interface. `ARCHITECTURE.md` in the repository describes how the crates depend on each other.
+//! The crates `pelage-core`, `pelage-fur` and so on are internal: their interfaces change without
+//! notice. The items listed here are the stable interface. `ARCHITECTURE.md` in the repository
+//! describes how the crates depend on each other.
 
 pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 
@@ -89,7 +97,8 @@ pub mod film {
     pub use pelage_core::film::{Film, Metadata, Plane, composite, depth_of_field, io, tonemap};
 }
 
-/// Rendering of a [`World`](crate::World): hybrid fur, or shells and fins if the scene asks for them.
+/// Rendering of a [`World`](crate::World): hybrid fur, or shells and fins if the scene asks for
+/// them.
 pub mod render {
     pub use pelage_core::animation;
     pub use pelage_core::hair::HairFile;

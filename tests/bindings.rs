@@ -1,10 +1,12 @@
-//! What is bound to a kernel: a missing name, a wrong size and a wrong kind are errors that name the binding.
+//! What is bound to a kernel: a missing name, a wrong size and a wrong kind are errors that name
+//! the binding.
 
 use crate::common::gpu;
 use pelage_fur::layout::{Bin, StrandBatch, TileGrid};
 use pelage_gpu::{Buffers, Gpu, Kernel, Recorder, Scope};
 
-/// The message of dispatching a kernel that reads `bin` and writes `words`, with these buffers in scope.
+/// The message of dispatching a kernel that reads `bin` and writes `words`, with these buffers in
+/// scope.
 fn message(gpu: &Gpu, scope: &Scope<'_>) -> Option<String> {
     let kernel = Kernel::new(gpu, "bound", "main").expect("a kernel");
     let mut recorder = Recorder::new(gpu);

@@ -10,7 +10,8 @@ use pelage_core::World;
 use pelage_core::hair::HairFile;
 use pelage_render::RenderOptions;
 
-/// Hairs on a plane seen from the side, without a background. The compared rows are above the plane.
+/// Hairs on a plane seen from the side, without a background. The compared rows are above the
+/// plane.
 const SCENE: &str = r#"
 [mesh]
 shape = "plane"

@@ -76,7 +76,8 @@ fn the_seed_changes_the_image() {
 
 #[test]
 fn the_budget_does_not_change_the_image() {
-    // Coarser than the defaults, so that it fits a small budget; more hairs, so that tiles overflow.
+    // Coarser than the defaults, so that it fits a small budget; more hairs, so that tiles
+    // overflow.
     let dense = |memory: u64| {
         with(Blend::Virtual, |s| {
             s.render.memory = memory;

@@ -1,5 +1,5 @@
-//! Scenes for other renderers: the files are parsed by the tests and compared with what this program
-//! renders.
+//! Scenes for other renderers: the files are parsed by the tests and compared with what this
+//! program renders.
 
 use crate::common::{Folder, pelage};
 use glam::{Mat3, Mat4, Quat, Vec2, Vec3, Vec4};

@@ -281,8 +281,8 @@ fn tone_maps_have_their_known_values() {
     let grey = |kind, v| tonemap::tone_map(kind, Vec3::splat(v));
     let near = |a: Vec3, b: Vec3| assert!((a - b).abs().max_element() < 1e-4, "{a} {b}");
     near(grey(Tonemap::None, 0.18), Vec3::splat(0.18));
-    // Neutral subtracts 0.04 and leaves the middle unchanged; at 1.0 the peak 0.96 becomes 1 - 0.0576 /
-    // 0.44.
+    // Neutral subtracts 0.04 and leaves the middle unchanged; at 1.0 the peak 0.96 becomes 1 -
+    // 0.0576 / 0.44.
     near(grey(Tonemap::Neutral, 0.5), Vec3::splat(0.46));
     near(grey(Tonemap::Neutral, 0.04), Vec3::splat(0.04 * 0.04 * 6.25));
     near(grey(Tonemap::Neutral, 1.0), Vec3::splat(1.0 - 0.0576 / 0.44));

@@ -1,5 +1,5 @@
-//! `shared/shell`: subelements, the inverse of the extrusion, hops; the CPU twin on its own, and the
-//! GPU against it.
+//! `shared/shell`: subelements, the inverse of the extrusion, hops; the CPU twin on its own, and
+//! the GPU against it.
 
 use crate::common::cases;
 use crate::common::gpu::{self, Fixture, jittered_grid, world_on};

@@ -1,5 +1,5 @@
-//! `shellfin_rows` against its CPU twin: the positions of hairs at the rows above the skin, and their
-//! light there.
+//! `shellfin_rows` against its CPU twin: the positions of hairs at the rows above the skin, and
+//! their light there.
 
 use crate::common::gpu;
 use crate::common::shellfins::{Fur, even, fur_world};
@@ -158,8 +158,8 @@ fn nothing_jumps_between_levels() {
             let distance = 8.0 * 2f32.powi(doubling);
             let (near, far) = (at(distance * (1.0 - 1e-4), layers), at(distance, layers));
             for (height, _, coarse, blend) in near {
-                // Nearly at the coarser level: the remaining layers are at the heights of the coarse
-                // ones, the others have faded out.
+                // Nearly at the coarser level: the remaining layers are at the heights of the
+                // coarse ones, the others have faded out.
                 if blend > 0.0 && coarse != pelage_core::skin::NONE {
                     assert!(blend > 0.999);
                     let same = far.iter().find(|f| f.1 == coarse).expect("the coarse layer");

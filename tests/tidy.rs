@@ -1,5 +1,5 @@
-//! Conventions that a compiler does not check: files, modules, crates, sizes, leftovers. Each rule is
-//! a function from texts to complaints, so that it is also tested on texts that break it.
+//! Conventions that a compiler does not check: files, modules, crates, sizes, leftovers. Each rule
+//! is a function from texts to complaints, so that it is also tested on texts that break it.
 
 use crate::common::root;
 use crate::common::sources::{Source, assert_none, sources};

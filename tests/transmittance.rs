@@ -37,8 +37,8 @@ fn error(degrees: f32, factor: f64) -> (f64, f64, [f64; 2]) {
     let world = square(|s| {
         s.render.fur = FurLayers::Implicit;
         s.lights = vec![DirectionalLight { direction: [0.0, 1.0, 0.0], irradiance: [irradiance; 3] }];
-        // All scattered light continues forwards: the skin is lit as if it were bare, so that it shows
-        // the transmittance to the camera.
+        // All scattered light continues forwards: the skin is lit as if it were bare, so that it
+        // shows the transmittance to the camera.
         s.undercoat.forward_scattering = 1.0;
         s.undercoat.color_root = [1.0; 3].into();
         s.undercoat.color_tip = [1.0; 3].into();

@@ -59,8 +59,8 @@ fn agreement(model: FibreModel, multiple: MultipleModel, tolerance: f32) {
             let place = lit.place(column, level);
             let wanted = light.source(column, level, &place);
             let found = unpack(source[(column * (fur.lattice.levels + 1) + level) as usize]);
-            // Of logarithms; where little is scattered towards the camera, a table's error is relative to
-            // its peak.
+            // Of logarithms; where little is scattered towards the camera, a table's error is
+            // relative to its peak.
             let dim = if matches!(model, FibreModel::Chiang | FibreModel::Medulla) { -5.0 } else { -30.0 };
             let log = |s: Vec3| s.max(Vec3::splat(dim));
             let ambient = (log(found.log_ambient) - log(wanted.log_ambient)).abs().max_element();

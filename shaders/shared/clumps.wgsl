@@ -1,6 +1,7 @@
 // The undercoat's structure from simplex noise: clumps, uneven heights, spread of the tangents.
 // [Andersen2016] sec. 3.2
-// Needs: fur (uniform FurParameters), noise (uniform Noise); shared/random, shared/noise, shared/undercoat.
+// Needs: fur (uniform FurParameters), noise (uniform Noise); shared/random, shared/noise,
+// shared/undercoat.
 
 // Noise at a point of the domain, -1..1.
 fn field(p: vec3f, frequency: f32) -> f32 {
@@ -17,8 +18,8 @@ fn combed(p: vec3f) -> vec3f {
 }
 
 // Density at height t, relative to the mean. Hairs taper and end at different heights, which turns
-// clumps into cones. `p`: the skin's point in the noise domain; `jittered`: that point displaced, for
-// the finer noise.
+// clumps into cones. `p`: the skin's point in the noise domain; `jittered`: that point displaced,
+// for the finer noise.
 fn clump_density(p: vec3f, jittered: vec3f, t: f32) -> f32 {
     let lean = fur.undercoat.lean * (fur.undercoat.height * t);
     // Hairs form locks, locks form clumps: a finer octave for close views, a coarser one for the

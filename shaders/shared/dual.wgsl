@@ -9,8 +9,8 @@ fn unit_area_gaussian(x: f32, variance: f32) -> f32 {
     return exp(-0.5 * x * x / variance) * inverseSqrt(TAU * variance);
 }
 
-// Radiance of multiple scattering from l towards v at a hair with optical depth `tau` towards l, for
-// an irradiance of 1, cosine of incidence included. `row`: first of the hair's two rows in
+// Radiance of multiple scattering from l towards v at a hair with optical depth `tau` towards l,
+// for an irradiance of 1, cosine of incidence included. `row`: first of the hair's two rows in
 // `response_table`. [Zinke2008] eq. 5, 12 and 20
 fn dual_scatter(row: i32, albedo: vec3f, tangent: vec3f, l: vec3f, v: vec3f, tau: f32) -> vec3f {
     let theta_i = asin(inclination_sine(tangent, l));

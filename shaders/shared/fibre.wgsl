@@ -1,7 +1,8 @@
 // Scattering by single hairs: L_o = sum_j E_j f cos(theta_i), theta being the inclination from the
 // plane normal to the tangent. The model is an argument that is known when a kernel is compiled.
-// Far fields of models that depend on the offset across the fibre are read from a table (`fibre::table`
-// of pelage-fur): R, TT, TRT and the rest by azimuth, inclination of the view and absorption.
+// Far fields of models that depend on the offset across the fibre are read from a table
+// (`fibre::table` of pelage-fur): R, TT, TRT and the rest by azimuth, inclination of the view and
+// absorption.
 // Needs: far_texel(i), a texel of the buffer that holds the tables.
 
 #import shared/angles
@@ -42,9 +43,9 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
     return exp(-0.5 * x * x / (width * width));
 }
 
-// Radiance from `l` towards `v` (both point away from the hair) per irradiance and colour. The diffuse term
-// is lossless at 1/pi^2 with the sine of the incidence; the specular term lies on the mirror cone
-// T.V = -T.L. [KajiyaKay1989]
+// Radiance from `l` towards `v` (both point away from the hair) per irradiance and colour. The
+// diffuse term is lossless at 1/pi^2 with the sine of the incidence; the specular term lies on the
+// mirror cone T.V = -T.L. [KajiyaKay1989]
 fn kajiya_kay(diffuse: f32, specular: f32, exponent: f32, tangent: vec3f, l: vec3f, v: vec3f) -> f32 {
     let dot_l = dot(tangent, l);
     let sin_l = complement(dot_l);
@@ -101,7 +102,8 @@ fn lobe_albedo(fibre: Fibre, theta: f32) -> vec3f {
 }
 
 // Far field averaged over the offset across the fibre: azimuthal functions from the table,
-// longitudinal ones evaluated. `i`, `o`: sine and cosine of the inclinations. [Chiang2016], [Yan2017]
+// longitudinal ones evaluated. `i`, `o`: sine and cosine of the inclinations. [Chiang2016],
+// [Yan2017]
 fn scatter_table(model: u32, fibre: Fibre, i: vec2f, o: vec2f, phi: f32, tint: vec3f) -> vec3f {
     let size = vec2f(fibre.table_size.xy) - 1.0;
     let medulla = model == MODEL_MEDULLA;

@@ -1,6 +1,6 @@
 // The ray march through the undercoat, [Andersen2016] sec. 3.2: enters at an entry fragment, takes
-// steps of fixed length, hops by the neighbour table. Depth z is the ray parameter (cm along the view
-// axis).
+// steps of fixed length, hops by the neighbour table. Depth z is the ray parameter (cm along the
+// view axis).
 // Needs: node_light (array<vec4u>), fur (uniform FurParameters); shared/volume, shared/lattice,
 // shared/undercoat_fibre, shared/frame.
 

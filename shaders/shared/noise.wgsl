@@ -1,4 +1,5 @@
-// Simplex noise with the permutation and gradients of the `noise` crate, which tests compare with. Range -1..1. [Perlin2001], [Gustavson2005]
+// Simplex noise with the permutation and gradients of the `noise` crate, which tests compare with.
+// Range -1..1. [Perlin2001], [Gustavson2005]
 // Needs: noise (uniform Noise).
 
 struct Noise {
@@ -12,7 +13,8 @@ fn permuted(index: u32) -> u32 {
     return (noise.permutation[i >> 4u][(i >> 2u) & 3u] >> ((i & 3u) * 8u)) & 255u;
 }
 
-// Contribution of a corner. `offset`: squared distance; `slope`: dot product of gradient and offset.
+// Contribution of a corner. `offset`: squared distance; `slope`: dot product of gradient and
+// offset.
 fn surflet(offset: f32, slope: f32) -> f32 {
     let t = max(0.0, 1.0 - 2.0 * offset);
     let t2 = t * t;

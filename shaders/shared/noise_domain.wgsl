@@ -1,4 +1,5 @@
-// Domain of the undercoat's noise: positions or uv. Needs: fur (uniform FurParameters), uv_of_corner; shared/shell.
+// Domain of the undercoat's noise: positions or uv. Needs: fur (uniform FurParameters),
+// uv_of_corner; shared/shell.
 
 #import shared/barycentric
 

@@ -1,7 +1,7 @@
 // Linked lists of fragments, one per sample, in one buffer: word 0 counts the nodes, then come one
-// head per sample and the nodes. A head or link of 0 ends a list, so that a cleared buffer is valid.
-// A node that does not fit is counted but not stored: the counter then exceeds the capacity, and the
-// tile is rendered again in smaller parts. [Yang2010], [Andersen2016] sec. 4
+// head per sample and the nodes. A head or link of 0 ends a list, so that a cleared buffer is
+// valid. A node that does not fit is counted but not stored: the counter then exceeds the capacity,
+// and the tile is rendered again in smaller parts. [Yang2010], [Andersen2016] sec. 4
 
 const NODE_WORDS: u32 = 5u;
 const KIND_STRAND: u32 = 0u;

@@ -103,9 +103,9 @@ const LEFT_BORDER: u32 = 1u;  // left the shell over a boundary edge of the skin
 const LOST: u32 = 2u;         // too many hops
 
 // Finds the prism of x, hopping over the most negative barycentric coordinate.
-// DEVIATION: [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance) that loses
-// most rays. The code loads and solves in one place, because all lanes pay for the whole loop
-// body as long as one of them needs it.
+// DEVIATION: [Andersen2016] sec. 3.2 names the closest edge; taken literally (unsigned distance)
+// that loses most rays. The code loads and solves in one place, because all lanes pay for the whole
+// loop body as long as one of them needs it.
 fn locate(place: ptr<function, Place>, x: vec3f, ray: vec3f, iterations: u32) -> u32 {
     var index = (*place).prism;
     var state = LOST;
@@ -155,9 +155,9 @@ fn volume_index(place: ptr<function, Place>, layer: u32, id: u32) -> u32 {
     return (*place).cell_base + (layer << (2u * (*place).subdivision)) + id; // [Andersen2016] eq. 3
 }
 
-// Density of hairs with direction `tangent` at height t of the place's prism, relative to that on the
-// skin: hairs spread over a layer of different area, and across leaning hairs the layer's area is
-// foreshortened.
+// Density of hairs with direction `tangent` at height t of the place's prism, relative to that on
+// the skin: hairs spread over a layer of different area, and across leaning hairs the layer's area
+// is foreshortened.
 fn crowding(place: ptr<function, Place>, t: f32, tangent: vec3f) -> f32 {
     let skin = length(cross((*place).e1, (*place).e2));
     let layer = layer_at(place, t).n;

@@ -1,6 +1,6 @@
 // Optical depths at the nodes of the lattice, pairs of halves: one per light, then that towards the
-// camera. A node has `fur.lattice.tau_stride` words: with multiple scattering by transport, the mean
-// scattered radiance from above and from below follows, six halves.
+// camera. A node has `fur.lattice.tau_stride` words: with multiple scattering by transport, the
+// mean scattered radiance from above and from below follows, six halves.
 // Needs: fur (uniform FurParameters), tau (array<u32>).
 
 #import shared/lattice_nodes

@@ -1,10 +1,9 @@
 // Multiple scattering in the coat, from the tables of pelage-transport as textures. `field_table`:
 // radiance in four zones, by cosine to a light and optical depth towards it. `sent_table`: radiance
 // that the undercoat scatters towards the view and radiance that falls on guard hairs, by the same.
-// `response_table`: scattering of single hairs, one kind per row. Each has a layer per albedo of the
-// hairs; `sent_table` has one per albedo and cosine of the view. A matrix holds the four zones of one
-// colour in a column.
-// Twin: `lookup` of pelage-transport.
+// `response_table`: scattering of single hairs, one kind per row. Each has a layer per albedo of
+// the hairs; `sent_table` has one per albedo and cosine of the view. A matrix holds the four zones
+// of one colour in a column. Twin: `lookup` of pelage-transport.
 // Needs: field_table, sent_table, response_table (texture_2d_array<f32>), table_sampler (linear,
 // clamped).
 
@@ -96,8 +95,8 @@ fn sent_entry(albedo: f32, at: vec2f, view: vec2f) -> vec3f {
 
 // For an irradiance of 1 at optical depth `tau` towards a light at cosine `mu_light` to the normal,
 // and a view direction at cosine `mu_view`; a row per colour. First column: radiance per extinction
-// that the undercoat scatters towards the view, of light scattered before. The others: radiance that falls
-// on guard hairs from above and from below.
+// that the undercoat scatters towards the view, of light scattered before. The others: radiance
+// that falls on guard hairs from above and from below.
 fn sent_radiance(albedo: vec3f, tau: f32, mu_light: f32, mu_view: f32) -> mat3x3f {
     let size = textureDimensions(sent_table);
     let x = (0.5 * clamp(mu_view, -1.0, 1.0) + 0.5) * f32(size.x - 1u);
@@ -112,8 +111,8 @@ fn field_irradiance(field: mat3x4f) -> vec3f {
     return TAU * (vec4f(table_head(1).xy, 0.0, 0.0) * field);
 }
 
-// Radiance that a guard hair scatters towards `view`, lit by radiance `above` from the hemisphere of
-// `normal` and `below` from the opposite one.
+// Radiance that a guard hair scatters towards `view`, lit by radiance `above` from the hemisphere
+// of `normal` and `below` from the opposite one.
 fn guard_response(albedo: vec3f, tangent: vec3f, view: vec3f, normal: vec3f, above: vec3f, below: vec3f) -> vec3f {
     let sin_o = dot(tangent, view);
     let along = dot(tangent, normal);

@@ -35,8 +35,8 @@ fn relative_projection(tangent: vec3f, w: vec3f) -> f32 {
     return select(sine_between(tangent, w), FRAC_PI_4, fur.undercoat.isotropic == 1u);
 }
 
-// Extinction in 1/cm towards unit direction `w`: n d sin(T, w) for hairs of diameter d and direction
-// T, n of them per area perpendicular to T.
+// Extinction in 1/cm towards unit direction `w`: n d sin(T, w) for hairs of diameter d and
+// direction T, n of them per area perpendicular to T.
 fn extinction(m: Medium, w: vec3f) -> f32 {
     return fur.undercoat.extinction * m.density * relative_projection(m.tangent, w);
 }

@@ -1,5 +1,6 @@
 // The undercoat's medium at a place of the prism shell.
-// Needs: media_or_uv (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat, shared/clumps.
+// Needs: media_or_uv (array<u32>), fur, uv_of_corner; shared/shell, shared/undercoat,
+// shared/clumps.
 
 #import shared/noise_domain
 
@@ -13,8 +14,8 @@ fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium
     return medium;
 }
 
-// Whether the volume is stored or evaluated; fixed when the kernel is compiled, because a branch that
-// is not taken is not free on all adapters.
+// Whether the volume is stored or evaluated; fixed when the kernel is compiled, because a branch
+// that is not taken is not free on all adapters.
 override STORED: bool = true;
 
 // Medium of the subelement that contains a place.

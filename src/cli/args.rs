@@ -31,7 +31,8 @@ pub(super) struct SceneArgs {
     /// Virtual fragments per ray, for --blend virtual
     #[arg(long, value_name = "N", help_heading = "Scene overrides")]
     virtual_fragments: Option<u32>,
-    /// Memory budget, e.g. 1GiB or 512MiB: GPU memory, or main memory for `reference` [default there: 8GiB]
+    /// Memory budget, e.g. 1GiB or 512MiB: GPU memory, or main memory for `reference` [default
+    /// there: 8GiB]
     #[arg(long, value_name = "SIZE", value_parser = bytes, help_heading = "Scene overrides")]
     pub memory: Option<u64>,
     /// Edge of a tile in samples
@@ -113,7 +114,8 @@ pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
     Ok([side(w)?, side(h)?])
 }
 
-/// A number of bytes with an optional unit: B, kB, MB, GB (powers of 1000), or KiB, MiB, GiB (powers of 1024).
+/// A number of bytes with an optional unit: B, kB, MB, GB (powers of 1000), or KiB, MiB, GiB
+/// (powers of 1024).
 pub(super) fn bytes(text: &str) -> Result<u64, String> {
     let expected = || format!("expected a size such as 1GiB, 512MiB or 2GB, found {text:?}");
     let digits = text.find(|c: char| !c.is_ascii_digit() && c != '.').unwrap_or(text.len());

@@ -30,14 +30,16 @@ pub(super) struct BakeArgs {
     /// Edge of the square that the texture covers and repeats, cm
     #[arg(long, value_name = "CM")]
     patch: Option<f32>,
-    /// File formats: layers as PNG and EXR, arrays as KTX2, uncompressed (ktx2) or in BC3 and BC7 (bc)
+    /// File formats: layers as PNG and EXR, arrays as KTX2, uncompressed (ktx2) or in BC3 and BC7
+    /// (bc)
     #[arg(long, value_parser = choice::<Format>(), value_delimiter = ',', default_value = "png,exr,ktx2,bc", value_name = "LIST")]
     formats: Vec<Format>,
-    /// For alpha-tested layers: mip levels of KTX2 files preserve the share of texels at or above this coverage. [default: they
-    /// preserve the mean coverage, for blended layers]
+    /// For alpha-tested layers: mip levels of KTX2 files preserve the share of texels at or above
+    /// this coverage. [default: they preserve the mean coverage, for blended layers]
     #[arg(long, value_name = "COVERAGE", value_parser = share)]
     alpha_test: Option<f32>,
-    /// Also write fur.gltf for real-time viewers such as web/shells: the skin with its hair, the edges for fins, and the camera
+    /// Also write fur.gltf for real-time viewers such as web/shells: the skin with its hair, the
+    /// edges for fins, and the camera
     #[arg(long)]
     gltf: bool,
     /// Print the manifest as JSON instead of the table

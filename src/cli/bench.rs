@@ -12,13 +12,16 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct BenchArgs {
-    /// Scene files [default: cylinder, hat and bunny; with --sweep: cylinder; with --shells: a furry bunny and other meshes]
+    /// Scene files [default: cylinder, hat and bunny; with --sweep: cylinder; with --shells: a
+    /// furry bunny and other meshes]
     #[arg(value_name = "SCENE")]
     scenes: Vec<PathBuf>,
-    /// Image sizes [default: 1024x1024 and 3840x2274; with --sweep: 960x568; with --shells: 640x480]
+    /// Image sizes [default: 1024x1024 and 3840x2274; with --sweep: 960x568; with --shells:
+    /// 640x480]
     #[arg(long, value_name = "WxH", value_parser = args::size)]
     size: Vec<[u32; 2]>,
-    /// Renderings of each scene, of which the table shows the fastest and the median [default: 1; with --shells: 20]
+    /// Renderings of each scene, of which the table shows the fastest and the median [default: 1;
+    /// with --shells: 20]
     #[arg(long, value_name = "N")]
     runs: Option<NonZeroU32>,
     /// GPU memory budget, e.g. 1GiB
@@ -27,7 +30,8 @@ pub(super) struct BenchArgs {
     /// Compare rendering methods or settings instead of measuring the table; may be repeated
     #[arg(long, value_parser = choice::<Sweep>(), value_name = "WHAT")]
     sweep: Vec<Sweep>,
-    /// Measure frames per second of shells and fins instead of the table, and the growth of their cost with layers and triangles
+    /// Measure frames per second of shells and fins instead of the table, and the growth of their
+    /// cost with layers and triangles
     #[arg(long, conflicts_with = "sweep")]
     shells: bool,
     /// Numbers of layers that --shells compares [default: 4,8,16,32,64]

@@ -42,8 +42,8 @@ struct Bytes {
     budget: u64,
 }
 
-// Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners of a triangle; root and segment vertices
-// of a strand; packed density and tangent of a subelement.
+// Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners
+// of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
 const ROOT: u64 = 48;

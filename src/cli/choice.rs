@@ -1,5 +1,5 @@
-//! Command-line values of the library's enumerations. Their names and help come from the JSON schema of each, so that the library does not
-//! depend on clap.
+//! Command-line values of the library's enumerations. Their names and help come from the JSON
+//! schema of each, so that the library does not depend on clap.
 
 use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 use schemars::JsonSchema;

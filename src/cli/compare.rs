@@ -19,7 +19,8 @@ pub(super) struct CompareArgs {
     /// Write an error image, .png or .exr
     #[arg(long = "outfile", short = 'o', value_name = "FILE")]
     outfile: Option<PathBuf>,
-    /// Kind of the error image: flip, hdr-flip, difference or relative; the latter two also with *FACTOR
+    /// Kind of the error image: flip, hdr-flip, difference or relative; the latter two also with
+    /// *FACTOR
     #[arg(long, value_name = "KIND", default_value = "flip", value_parser = error_kind)]
     error: ErrorImage,
     /// Exposure of both images in stops

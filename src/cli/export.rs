@@ -23,7 +23,8 @@ pub(super) struct ExportArgs {
     /// Write the skin as OBJ, in world space, cm
     #[arg(long, value_name = "FILE.obj")]
     mesh: Option<PathBuf>,
-    /// Write the whole scene with every hair for another renderer; comments in its scene file list what it cannot express
+    /// Write the whole scene with every hair for another renderer; comments in its scene file list
+    /// what it cannot express
     #[arg(long, value_parser = choice::<Target>(), value_name = "TARGET", requires = "folder")]
     to: Option<Target>,
     /// Folder for --to; created if its parent exists

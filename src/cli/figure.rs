@@ -18,7 +18,8 @@ pub(super) struct FigureArgs {
     /// List the figures
     #[arg(long)]
     list: bool,
-    /// Folder for the results (FOLDER/NAME/result) and the report (FOLDER/index.html) [default: paper_figures/]
+    /// Folder for the results (FOLDER/NAME/result) and the report (FOLDER/index.html) [default:
+    /// paper_figures/]
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER")]
     outfile: Option<PathBuf>,
     /// Produce small versions; all figures take about a quarter of an hour on two CPU cores

@@ -1,4 +1,5 @@
-//! Interrupts: the first asks the rendering to stop after its current chunk, the second ends the process.
+//! Interrupts: the first asks the rendering to stop after its current chunk, the second ends the
+//! process.
 
 use pelage::{Error, Result};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -34,7 +34,8 @@ const STEPS: u64 = 1000;
 const INTERVAL: Duration = Duration::from_secs(2);
 
 impl Display {
-    /// A display of `style`, as far as stderr supports it; by default a bar on a terminal, nothing otherwise.
+    /// A display of `style`, as far as stderr supports it; by default a bar on a terminal, nothing
+    /// otherwise.
     pub fn new(style: Option<Style>, quiet: bool) -> Self {
         let terminal = std::io::stderr().is_terminal();
         let default = if terminal { Style::Bar } else { Style::None };

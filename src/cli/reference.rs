@@ -19,19 +19,22 @@ use std::time::{Duration, Instant};
 pub(super) struct ReferenceArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Output file, .png or .exr; may be repeated. EXR files hold all planes, both halves and the variance, and can be resumed
+    /// Output file, .png or .exr; may be repeated. EXR files hold all planes, both halves and the
+    /// variance, and can be resumed
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
     /// Light transport
     #[arg(long, value_parser = choice::<Integrator>(), default_value = "path")]
     integrator: Integrator,
-    /// Lights: the renderer's directional lights (scene), or the environment itself (map) [default: scene for single, map for path]
+    /// Lights: the renderer's directional lights (scene), or the environment itself (map) [default:
+    /// scene for single, map for path]
     #[arg(long, value_parser = choice::<LightModel>())]
     lights: Option<LightModel>,
     /// Stop after this time in seconds
     #[arg(long, value_name = "S", value_parser = above_zero)]
     time: Option<f64>,
-    /// Stop when the relative mean squared error, estimated from two halves of the samples, is at most this
+    /// Stop when the relative mean squared error, estimated from two halves of the samples, is at
+    /// most this
     #[arg(long, value_name = "X", value_parser = above_zero)]
     error: Option<f64>,
     /// Resume from the first EXR output file, if it exists

@@ -24,8 +24,9 @@ pub(super) struct RenderArgs {
     /// Render only a part of the film, in 0..1 of its width and height
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
     cropwindow: Option<[f32; 4]>,
-    /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the end). Output files are numbered: -o
-    /// fur.png gives fur_0001.png and so on, and likewise for --stats. Frames are independent of each other
+    /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the
+    /// end). Output files are numbered: -o fur.png gives fur_0001.png and so on, and likewise for
+    /// --stats. Frames are independent of each other
     #[arg(long, value_name = "N|A..B", value_parser = frames::frames)]
     frames: Option<Frames>,
     /// Write the statistics to a JSON file
@@ -124,7 +125,8 @@ fn picture(
     }
 }
 
-/// The metadata of an image. The resolved scene in it renders the same image without included files and flags.
+/// The metadata of an image. The resolved scene in it renders the same image without included files
+/// and flags.
 fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
     Metadata::of_program()
         .with_scene(&toml::to_string(scene).unwrap_or_default())

@@ -131,7 +131,8 @@ impl Fixture {
         self.read("strand_vertices", self.strands() * (self.prepared.segments as usize + 1))
     }
 
-    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity`
+    /// fragments.
     pub fn tile(&self, film: [u32; 2], origin: [i32; 2], size: [u32; 2], capacity: u64) -> Probe<'static> {
         Probe::new(&self.0, film, origin, size, capacity).expect("a tile")
     }

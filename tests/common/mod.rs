@@ -48,8 +48,8 @@ impl Run {
     }
 }
 
-/// The command in the repository's root, without the variables that change its behaviour, and with a
-/// cache folder of the tests in place of the user's.
+/// The command in the repository's root, without the variables that change its behaviour, and with
+/// a cache folder of the tests in place of the user's.
 pub fn command() -> Command {
     let cache = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cache");
     std::fs::create_dir_all(&cache).expect("a cache folder");

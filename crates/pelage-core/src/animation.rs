@@ -11,12 +11,13 @@ pub struct FrameState {
     pub frame: u32,
     /// Time since the first frame, s.
     pub time: f64,
-    /// The camera, turned, and moved opposite to the object's motion: the object itself stays in place. All lights are directional, so the
-    /// image is that of a moving object.
+    /// The camera, turned, and moved opposite to the object's motion: the object itself stays in
+    /// place. All lights are directional, so the image is that of a moving object.
     pub camera: Camera,
 }
 
-/// The scene at `frame`, from 1 (0 counts as 1). Frames beyond `animation.frames` continue the motion.
+/// The scene at `frame`, from 1 (0 counts as 1). Frames beyond `animation.frames` continue the
+/// motion.
 pub fn at(scene: &Scene, frame: u32) -> FrameState {
     let animation = &scene.animation;
     let frame = frame.max(1);

@@ -1,4 +1,5 @@
-//! Where assets are searched for: the scene's folder, `assets/`, and the folders in the environment variable PELAGE_ASSETS.
+//! Where assets are searched for: the scene's folder, `assets/`, and the folders in the environment
+//! variable PELAGE_ASSETS.
 
 use crate::{Error, Result};
 use std::path::{Path, PathBuf};

@@ -1,4 +1,5 @@
-//! The error type of all crates. A message says where the fault is, what was found, what was expected and what to do.
+//! The error type of all crates. A message says where the fault is, what was found, what was
+//! expected and what to do.
 
 use std::path::{Path, PathBuf};
 
@@ -19,7 +20,8 @@ pub enum Error {
     /// A command or a function was used wrongly (exit code 2).
     #[error("{0}")]
     Usage(String),
-    /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file are reported together.
+    /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file are
+    /// reported together.
     #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
     Scene(Vec<SceneFault>),
     /// There is no adapter, or its limits are too low (exit code 4).
@@ -63,7 +65,8 @@ pub enum Error {
     Encoding(String),
 }
 
-/// One fault of a scene file or an asset, with its position. It is displayed as `FILE:LINE:COLUMN: MESSAGE` and a line `help: HELP`.
+/// One fault of a scene file or an asset, with its position. It is displayed as
+/// `FILE:LINE:COLUMN: MESSAGE` and a line `help: HELP`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SceneFault {
     /// The file with the fault, or what stands for it: a command-line flag, a key of the scene.
@@ -122,8 +125,8 @@ impl Error {
         Self::Gpu { pass: pass.into(), reason: reason.to_string() }
     }
 
-    /// The process exit code: 1 render or I/O failed; 2 usage; 3 scene invalid; 4 no adapter or its limits;
-    /// 5 device lost; 130 interrupted.
+    /// The process exit code: 1 render or I/O failed; 2 usage; 3 scene invalid; 4 no adapter or its
+    /// limits; 5 device lost; 130 interrupted.
     pub fn exit_code(&self) -> u8 {
         match self {
             Self::Io { .. } | Self::Gpu { .. } | Self::OutOfMemory { .. } => 1,

@@ -10,8 +10,9 @@ use std::{
 /// What an encoder or decoder reports; the caller adds the file.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Checks before a long computation that `path` can be written after it: the folder exists, the name is not that of a folder, a device
-/// or a write-protected file, and the disk has room for a few blocks. Leaves nothing behind.
+/// Checks before a long computation that `path` can be written after it: the folder exists, the
+/// name is not that of a folder, a device or a write-protected file, and the disk has room for a
+/// few blocks. Leaves nothing behind.
 ///
 /// # Errors
 /// [`Error::Io`] with the file and the reason.
@@ -24,8 +25,8 @@ pub fn check_target(path: &Path) -> Result<()> {
         .map_err(|e| Error::io(path, format!("cannot be written: {e}")))
 }
 
-/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. An old file stays until the
-/// new one is complete, and stays for good if anything fails.
+/// Writes a file through a temporary one in the same folder: `write`, fsync, rename. An old file
+/// stays until the new one is complete, and stays for good if anything fails.
 ///
 /// # Errors
 /// [`Error::Io`] with the file and the failure.
@@ -98,7 +99,8 @@ fn folder_of(path: &Path) -> &Path {
 fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".pelage-").suffix(".part");
-    // By default tempfile makes files private to the user; here the umask decides, as for any other output.
+    // By default tempfile makes files private to the user; here the umask decides, as for any other
+    // output.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     builder.tempfile_in(folder_of(target))

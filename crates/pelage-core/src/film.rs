@@ -1,7 +1,8 @@
 //! The film: the finished image as named planes, and its processing after rendering.
 //!
-//! [`filter`] gives the weights with which samples become pixels, [`depth_of_field`] and [`composite`] change the film, and
-//! [`io`] writes and reads it (through [`exr`], [`png`] and [`tonemap`]) with its [`metadata`].
+//! [`filter`] gives the weights with which samples become pixels, [`depth_of_field`] and
+//! [`composite`] change the film, and [`io`] writes and reads it (through [`exr`], [`png`] and
+//! [`tonemap`]) with its [`metadata`].
 
 pub mod composite;
 pub mod depth_of_field;
@@ -20,9 +21,10 @@ use crate::{Error, Result};
 
 /// An image of named planes, row by row from the top, `width * height` values each.
 ///
-/// `R G B` are linear and premultiplied by `A`; the others are named as pbrt's film and Blender name theirs:
-/// `guard.R`, `undercoat.R`, `base.R` (premultiplied contributions that add up to `R G B`), `depth.Z` (cm along the
-/// viewing direction, infinity where there is nothing), `N.X`, `transmittance.Y`, `fragments.Y`.
+/// `R G B` are linear and premultiplied by `A`; the others are named as pbrt's film and Blender
+/// name theirs: `guard.R`, `undercoat.R`, `base.R` (premultiplied contributions that add up to
+/// `R G B`), `depth.Z` (cm along the viewing direction, infinity where there is nothing), `N.X`,
+/// `transmittance.Y`, `fragments.Y`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Film {
     /// Width, pixels.
@@ -54,8 +56,8 @@ impl Film {
         film
     }
 
-    /// A film with the planes `R G B A` of premultiplied linear pixels, row by row from the top. Missing pixels
-    /// are transparent black.
+    /// A film with the planes `R G B A` of premultiplied linear pixels, row by row from the top.
+    /// Missing pixels are transparent black.
     pub fn from_premultiplied(width: u32, height: u32, pixels: &[[f32; 4]]) -> Self {
         let mut film = Self::new(width, height);
         for (c, plane) in film.planes.iter_mut().enumerate() {
@@ -99,7 +101,8 @@ impl Film {
         }
     }
 
-    /// Checks that the film has pixels, that each plane has as many values, and that names are unique.
+    /// Checks that the film has pixels, that each plane has as many values, and that names are
+    /// unique.
     ///
     /// # Errors
     /// [`Error::Unsupported`] with the plane and both counts.

@@ -1,7 +1,8 @@
 //! Strands in Cem Yuksel's HAIR file format, read and written.
 //!
-//! Little endian. A header of 128 bytes: "HAIR", counts, which arrays follow, defaults for the others, 88 bytes of text. Then the arrays:
-//! segments (u16 per strand), points (3 f32 each), thickness and transparency (f32 per point), colours (3 f32 per point).
+//! Little endian. A header of 128 bytes: "HAIR", counts, which arrays follow, defaults for the
+//! others, 88 bytes of text. Then the arrays: segments (u16 per strand), points (3 f32 each),
+//! thickness and transparency (f32 per point), colours (3 f32 per point).
 // [YukselHair]
 
 use crate::files::write_buffered;
@@ -21,7 +22,8 @@ const COLORS: u32 = 16;
 /// The content of a HAIR file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HairFile {
-    /// Points of all strands, root first, strand after strand; in files written by this program cm, world space.
+    /// Points of all strands, root first, strand after strand; in files written by this program cm,
+    /// world space.
     pub points: Vec<Vec3>,
     /// Segments of each strand: one fewer than its points.
     pub segments: Vec<u16>,
@@ -71,7 +73,8 @@ impl HairFile {
     /// Reads a file.
     ///
     /// # Errors
-    /// [`Error::Io`] where it cannot be read, [`Error::Scene`] where it is not a complete and consistent HAIR file.
+    /// [`Error::Io`] where it cannot be read, [`Error::Scene`] where it is not a complete and
+    /// consistent HAIR file.
     pub fn read(path: &Path) -> Result<Self> {
         let bytes = std::fs::read(path).map_err(|e| Error::io(path, e))?;
         Self::from_bytes(&bytes).map_err(|message| Error::fault(path, message))
@@ -80,7 +83,8 @@ impl HairFile {
     /// Writes a file atomically: it appears complete or not at all.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where the arrays do not fit each other; [`Error::Io`] where it cannot be written.
+    /// [`Error::Unsupported`] where the arrays do not fit each other; [`Error::Io`] where it cannot
+    /// be written.
     pub fn write(&self, path: &Path) -> Result<()> {
         self.check().map_err(|m| Error::Unsupported(format!("{}: not written: {m}", path.display())))?;
         write_buffered(path, |out| Ok(self.to_writer(out)?))
@@ -134,7 +138,8 @@ impl HairFile {
         let segments = if flags & SEGMENTS != 0 {
             segments.chunks_exact(2).map(|b| u16::from_le_bytes([b[0], b[1]])).collect()
         } else {
-            // Each strand has a point at least, so the number of strands cannot exceed that of the points.
+            // Each strand has a point at least, so the number of strands cannot exceed that of the
+            // points.
             let each = u16::try_from(default_segments).map_err(|_| {
                 format!("found {default_segments} segments per strand, expected at most 65535")
             })?;

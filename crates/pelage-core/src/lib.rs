@@ -1,4 +1,5 @@
-//! What every part of pelage reads: scene files, meshes, maps, lights, cameras and films, with errors and atomic output.
+//! What every part of pelage reads: scene files, meshes, maps, lights, cameras and films, with
+//! errors and atomic output.
 
 pub mod animation;
 pub mod assets;

@@ -18,7 +18,8 @@ pub struct Light {
     pub direction: Vec3,
     /// Irradiance on a surface that faces the light, linear RGB.
     pub irradiance: Vec3,
-    /// Whether the light comes from the environment map (Andersen et al. 2016 do not light the undercoat by it).
+    /// Whether the light comes from the environment map (Andersen et al. 2016 do not light the
+    /// undercoat by it).
     pub environment: bool,
     /// Whether the undercoat is lit by it.
     pub undercoat: bool,
@@ -27,8 +28,9 @@ pub struct Light {
 /// All directional lights of a scene: the given ones, then those made from the environment map.
 ///
 /// # Errors
-/// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not finite, a number of
-/// environment lights outside 1..=64, and a map that is missing or damaged. Faults of values come all together.
+/// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not
+/// finite, a number of environment lights outside 1..=64, and a map that is missing or damaged.
+/// Faults of values come all together.
 pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     let mut faults = Vec::new();
     let mut fault = |place: String, message: String| {

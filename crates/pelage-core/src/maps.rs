@@ -30,7 +30,8 @@ pub struct MapSet {
 pub struct MapImage {
     /// File name as in the scene.
     pub name: String,
-    /// Whether it is read as a colour: a PNG is then decoded from sRGB to linear. Scalars are read as the file has them.
+    /// Whether it is read as a colour: a PNG is then decoded from sRGB to linear. Scalars are read
+    /// as the file has them.
     pub color: bool,
     /// Width, texels.
     pub width: u32,
@@ -137,22 +138,23 @@ impl MapImage {
             .map_or(Vec4::ZERO, |t| Vec4::from_array(*t))
     }
 
-    /// The image at `uv`, repeated, by bilinear interpolation. u goes to the right, v upwards: v = 0 is the lower edge of the bottom row.
-    /// Texel centres lie at half texels.
+    /// The image at `uv`, repeated, by bilinear interpolation. u goes to the right, v upwards: v =
+    /// 0 is the lower edge of the bottom row. Texel centres lie at half texels.
     pub fn bilinear(&self, uv: Vec2) -> [f32; 4] {
         bilinear([self.width, self.height], uv, |x, y| self.texel(x, y)).to_array()
     }
 
-    /// The image at a point without uv: three lookups along the axes, at (y, z), (x, z) and (x, y), weighted by the
-    /// fourth power of the normal's component along the axis. At `scale` 1 the image repeats every
-    /// [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the point in cm; `normal` need not be of unit length.
+    /// The image at a point without uv: three lookups along the axes, at (y, z), (x, z) and (x, y),
+    /// weighted by the fourth power of the normal's component along the axis. At `scale` 1 the
+    /// image repeats every [`TRIPLANAR_CM`], at 2 twice as often. `position_cm` is the point in cm;
+    /// `normal` need not be of unit length.
     pub fn triplanar(&self, position_cm: Vec3, normal: Vec3, scale: f32) -> [f32; 4] {
         let p = position_cm * (scale / TRIPLANAR_CM);
         triplanar(p, normal, |uv| Vec4::from_array(self.bilinear(uv))).to_array()
     }
 
-    /// An image of at most [`MAX_SIDE`] texels a side, with the same aspect ratio up to rounding. Its texels are means over the boxes that
-    /// they cover, parts of texels included.
+    /// An image of at most [`MAX_SIDE`] texels a side, with the same aspect ratio up to rounding.
+    /// Its texels are means over the boxes that they cover, parts of texels included.
     fn reduced(&self) -> Self {
         let larger = self.width.max(self.height);
         let side = |n: u32| {
@@ -179,8 +181,9 @@ impl MapImage {
     }
 }
 
-/// Repeating bilinear lookup in an image of `size` texels: u to the right, v up, so that v = 0 is the lower edge of the bottom
-/// row. Texel centres lie at half texels. `texel` is asked for columns and rows up to one outside the image.
+/// Repeating bilinear lookup in an image of `size` texels: u to the right, v up, so that v = 0 is
+/// the lower edge of the bottom row. Texel centres lie at half texels. `texel` is asked for columns
+/// and rows up to one outside the image.
 pub fn bilinear(size: [u32; 2], uv: Vec2, texel: impl Fn(i32, i32) -> Vec4) -> Vec4 {
     let fraction = uv - uv.floor();
     let size = Vec2::new(size[0] as f32, size[1] as f32);
@@ -192,8 +195,8 @@ pub fn bilinear(size: [u32; 2], uv: Vec2, texel: impl Fn(i32, i32) -> Vec4) -> V
     row(y).lerp(row(y + 1), f.y)
 }
 
-/// Three lookups of `plane` along the axes, at (y, z), (x, z) and (x, y) of `p`, weighted by the fourth power of the normal's
-/// component along the axis.
+/// Three lookups of `plane` along the axes, at (y, z), (x, z) and (x, y) of `p`, weighted by the
+/// fourth power of the normal's component along the axis.
 // [Geiss2007]
 pub fn triplanar(p: Vec3, normal: Vec3, plane: impl Fn(Vec2) -> Vec4) -> Vec4 {
     let n2 = normal * normal;
@@ -202,7 +205,8 @@ pub fn triplanar(p: Vec3, normal: Vec3, plane: impl Fn(Vec2) -> Vec4) -> Vec4 {
     w.x * plane(Vec2::new(p.y, p.z)) + w.y * plane(Vec2::new(p.x, p.z)) + w.z * plane(Vec2::new(p.x, p.y))
 }
 
-/// For each of `to` equal intervals of `from` texels: the texels that it covers and their weights, which add up to 1.
+/// For each of `to` equal intervals of `from` texels: the texels that it covers and their weights,
+/// which add up to 1.
 fn boxes(from: u32, to: u32) -> Vec<Vec<(u32, f32)>> {
     let step = f64::from(from) / f64::from(to);
     (0..to)

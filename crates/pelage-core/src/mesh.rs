@@ -31,20 +31,21 @@ pub struct Mesh {
     pub repairs: Vec<String>,
 }
 
-/// Welds positions, drops what cannot carry fur (zero-area and duplicate triangles, unused vertices), winds the rest
-/// consistently (closed parts outwards) and smooths normals. The skin's `notes` list each repair with its count, boundary,
-/// non-manifold and inconsistent edges, and the number of parts.
+/// Welds positions, drops what cannot carry fur (zero-area and duplicate triangles, unused
+/// vertices), winds the rest consistently (closed parts outwards) and smooths normals. The skin's
+/// `notes` list each repair with its count, boundary, non-manifold and inconsistent edges, and the
+/// number of parts.
 pub fn skin_of(mesh: Mesh) -> Skin {
     repair::repair(mesh).0
 }
 
-/// Reads or builds the mesh that `spec` names, transforms it to world space (cm) and makes it a skin.
-/// `find` resolves an asset name to a path.
+/// Reads or builds the mesh that `spec` names, transforms it to world space (cm) and makes it a
+/// skin. `find` resolves an asset name to a path.
 ///
 /// # Errors
-/// [`Error::Scene`] where `spec` names no mesh or more than one, for faults of the file (with lines), where no
-/// triangle is left, and with `spec.strict` for everything that was repaired or left open, all in one;
-/// [`Error::Io`] where the file cannot be read.
+/// [`Error::Scene`] where `spec` names no mesh or more than one, for faults of the file (with
+/// lines), where no triangle is left, and with `spec.strict` for everything that was repaired or
+/// left open, all in one; [`Error::Io`] where the file cannot be read.
 pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<Skin> {
     let (name, mut skin) = match (&spec.path, spec.shape) {
         (Some(path), None) => {

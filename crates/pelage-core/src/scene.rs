@@ -1,8 +1,10 @@
-//! The scene file. Lengths are cm, densities hairs/cm², diameters µm, colours linear RGB, angles degrees.
+//! The scene file. Lengths are cm, densities hairs/cm², diameters µm, colours linear RGB, angles
+//! degrees.
 //!
-//! A scene file goes through these steps, each in a module of its own: `tree` parses the text to a tree that knows the position of
-//! every value, `load` merges includes and the preset under it, `overrides` sets values from the command line, `check` checks the tree
-//! against the JSON schema, and `rules` checks what the schema cannot express. All faults are reported together.
+//! A scene file goes through these steps, each in a module of its own: `tree` parses the text to a
+//! tree that knows the position of every value, `load` merges includes and the preset under it,
+//! `overrides` sets values from the command line, `check` checks the tree against the JSON schema,
+//! and `rules` checks what the schema cannot express. All faults are reported together.
 
 mod animation;
 mod check;

@@ -7,19 +7,21 @@ pub const NONE: u32 = u32::MAX;
 
 /// The surface that carries the fur, in world space (cm).
 ///
-/// Positions are welded, so that edges are shared wherever two triangles touch; uv coordinates stay with the
-/// triangle corners, so that a uv seam does not cut the topology.
+/// Positions are welded, so that edges are shared wherever two triangles touch; uv coordinates stay
+/// with the triangle corners, so that a uv seam does not cut the topology.
 #[derive(Debug, Clone, Default)]
 pub struct Skin {
     /// Vertex positions, cm, world space.
     pub positions: Vec<Vec3>,
     /// Smoothed unit normals, one per vertex, weighted by angle.
     pub normals: Vec<Vec3>,
-    /// Vertex colours as read from the file (linear RGB), one per vertex, white where the file has none.
+    /// Vertex colours as read from the file (linear RGB), one per vertex, white where the file has
+    /// none.
     pub colors: Vec<Vec3>,
     /// Corner indices of each triangle, counter-clockwise from outside.
     pub triangles: Vec<[u32; 3]>,
-    /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up triplanar).
+    /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up
+    /// triplanar).
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
     /// What loading repaired or noticed, to be reported to the user.
     pub notes: Vec<String>,
@@ -42,7 +44,8 @@ impl Skin {
         (0..self.triangles.len()).map(|t| f64::from(self.triangle_area(t))).sum()
     }
 
-    /// The same surface with flat shading: each triangle has three vertices of its own, with the triangle's normal.
+    /// The same surface with flat shading: each triangle has three vertices of its own, with the
+    /// triangle's normal.
     pub fn faceted(mut self) -> Self {
         let corners = self.triangles.as_flattened();
         let positions: Vec<Vec3> = corners.iter().map(|v| self.positions[*v as usize]).collect();

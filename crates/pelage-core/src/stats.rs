@@ -37,7 +37,8 @@ pub struct Stats {
     pub fragments_max: u64,
     /// Fragments that were dropped: always 0, otherwise the rendering fails.
     pub fragments_dropped: u64,
-    /// Rays that at some step lost their place in the prism shell: the limit of hops was reached where it folds.
+    /// Rays that at some step lost their place in the prism shell: the limit of hops was reached
+    /// where it folds.
     pub rays_lost: u64,
     /// GPU memory budget, bytes.
     pub memory_budget_bytes: u64,

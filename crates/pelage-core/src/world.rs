@@ -24,8 +24,8 @@ impl World {
     /// Loads the files that `scene` names.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no sense; [`crate::Error::Io`] where a mesh
-    /// cannot be read.
+    /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no
+    /// sense; [`crate::Error::Io`] where a mesh cannot be read.
     pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
         let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         let lights = crate::light::lights_of(&scene, assets)?;

@@ -1,4 +1,5 @@
-//! Blender with Cycles: a Python script that builds the scene from HAIR, PLY and EXR files beside it.
+//! Blender with Cycles: a Python script that builds the scene from HAIR, PLY and EXR files beside
+//! it.
 
 use super::sky::{self, Sky};
 use super::{Job, curves, hair, material, mean, ply, skin_colors};

@@ -12,7 +12,8 @@ pub(super) fn write(job: &mut Job<'_>) -> Result<()> {
     job.obj("skin.obj")
 }
 
-/// Writes one HAIR file per layer, `guard.hair` and `undercoat.hair`, with diameters, transparency and colours at each point.
+/// Writes one HAIR file per layer, `guard.hair` and `undercoat.hair`, with diameters, transparency
+/// and colours at each point.
 pub(super) fn layers(job: &mut Job<'_>) -> Result<()> {
     for strands in job.strands {
         let name = format!("{}.hair", curves::name(strands.layer));

@@ -1,7 +1,9 @@
-//! Writes a scene, with every hair a strand, for other renderers: Mitsuba 3, pbrt-v4, Blender (Cycles), OpenUSD and HAIR files.
+//! Writes a scene, with every hair a strand, for other renderers: Mitsuba 3, pbrt-v4, Blender
+//! (Cycles), OpenUSD and HAIR files.
 //!
-//! Lengths are cm in all of them. What a target cannot express is listed in comments at the beginning of its main file, the one to open. Large
-//! arrays go to files beside it, written as they are computed. The main file is written last, so that it never names a missing file.
+//! Lengths are cm in all of them. What a target cannot express is listed in comments at the
+//! beginning of its main file, the one to open. Large arrays go to files beside it, written as they
+//! are computed. The main file is written last, so that it never names a missing file.
 
 mod blender;
 pub mod curves;
@@ -90,11 +92,13 @@ pub(crate) struct Job<'a> {
     written: Vec<Written>,
 }
 
-/// Writes `world` with `strands` to `folder` for `target`. The folder is created if its parent exists.
+/// Writes `world` with `strands` to `folder` for `target`. The folder is created if its parent
+/// exists.
 ///
 /// # Errors
-/// [`Error::Io`] if the folder cannot be created or a file cannot be written; [`Error::Scene`] for an environment map that cannot be read;
-/// [`Error::Unsupported`] for more points than a HAIR file holds.
+/// [`Error::Io`] if the folder cannot be created or a file cannot be written; [`Error::Scene`] for
+/// an environment map that cannot be read; [`Error::Unsupported`] for more points than a HAIR file
+/// holds.
 pub fn write(
     world: &World,
     strands: &[Strands],
@@ -122,7 +126,8 @@ pub fn write(
     Ok(job.written)
 }
 
-/// Creates the folder if its parent exists, and checks that the main file can be written. To be called before long computations.
+/// Creates the folder if its parent exists, and checks that the main file can be written. To be
+/// called before long computations.
 ///
 /// # Errors
 /// [`Error::Io`] with the folder or file and the reason.
@@ -173,7 +178,8 @@ impl Job<'_> {
     }
 }
 
-/// Reflectance of the skin, linear RGB: one value, or one per vertex if it comes from a map or from vertex colours.
+/// Reflectance of the skin, linear RGB: one value, or one per vertex if it comes from a map or from
+/// vertex colours.
 pub fn skin_colors(world: &World) -> Vec<Vec3> {
     let (skin, color) = (&world.skin, &world.scene.base.color);
     let map = match color {

@@ -1,4 +1,5 @@
-//! Hair scattering by the parameters of the model of Chiang et al. 2016, which other renderers have.
+//! Hair scattering by the parameters of the model of Chiang et al. 2016, which other renderers
+//! have.
 
 pub use pelage_fur::fibre::DARKEST;
 
@@ -49,7 +50,8 @@ pub fn fit(beta_n: f32) -> f32 {
     Absorption::divisor(beta_n)
 }
 
-/// Absorption along a radius with which a mass of such hairs has about the colour `color`, linear RGB, clamped to [`DARKEST`]..1.
+/// Absorption along a radius with which a mass of such hairs has about the colour `color`, linear
+/// RGB, clamped to [`DARKEST`]..1.
 // [Chiang2016] eq. 9
 pub fn absorption_of(color: Vec3, beta_n: f32) -> Vec3 {
     Absorption::by_color(beta_n).of(color)

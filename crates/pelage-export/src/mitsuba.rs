@@ -1,6 +1,7 @@
 //! Mitsuba 3: an XML scene, curves as text, absorption as PFM, the skin as PLY.
 //!
-//! The coordinate v of curves runs over all segments of a shape, so a texture of one column gives every segment its own absorption.
+//! The coordinate v of curves runs over all segments of a shape, so a texture of one column gives
+//! every segment its own absorption.
 
 use super::curves::{self, Segment};
 use super::sky::{self, Sky};
@@ -46,7 +47,8 @@ pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     job.file("scene.xml", String::new(), |job, out| xml(job, &notes, &layers, out))
 }
 
-/// Absorptions per segment: guard hairs change colour over few segments, the undercoat's segments are many and short.
+/// Absorptions per segment: guard hairs change colour over few segments, the undercoat's segments
+/// are many and short.
 fn texels_a_segment(layer: Layer) -> usize {
     match layer {
         Layer::Guard => 4,
@@ -94,7 +96,8 @@ fn layer(job: &mut Job<'_>, strands: &Strands) -> Result<Vec<Part>> {
     Ok(parts)
 }
 
-/// A segment as a uniform cubic B-spline, which is linear because its control points are equally spaced on a line.
+/// A segment as a uniform cubic B-spline, which is linear because its control points are equally
+/// spaced on a line.
 fn curve(segment: &Segment, out: &mut dyn Write) -> io::Result<()> {
     let [a, b] = segment.ends;
     for p in [2.0 * a - b, a, b, 2.0 * b - a] {

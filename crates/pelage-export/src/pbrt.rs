@@ -10,7 +10,8 @@ use pelage_pathtrace::strands::Strands;
 use std::collections::BTreeMap;
 use std::io::{self, Write};
 
-/// Largest number of materials of a layer: pbrt's curves carry no colours, so each colour is a material.
+/// Largest number of materials of a layer: pbrt's curves carry no colours, so each colour is a
+/// material.
 const MOST_BINS: usize = 256;
 
 /// Colours of a layer's segments, quantised.
@@ -59,7 +60,8 @@ impl Bins {
     }
 }
 
-/// The cell of a colour. Cells are evenly spaced in the square root, which suits both perception and absorption.
+/// The cell of a colour. Cells are evenly spaced in the square root, which suits both perception
+/// and absorption.
 fn cell(color: Vec3, levels: f32) -> [u8; 3] {
     color.to_array().map(|c| (c.max(0.0).sqrt() * levels).round() as u8)
 }

@@ -4,7 +4,8 @@ use super::{Job, skin_colors};
 use pelage_core::Result;
 use std::io::{self, Write};
 
-/// Writes the skin: positions, smoothed normals, and linear colours `r g b` if they vary over the vertices.
+/// Writes the skin: positions, smoothed normals, and linear colours `r g b` if they vary over the
+/// vertices.
 pub(super) fn write(job: &mut Job<'_>, name: &str) -> Result<()> {
     let holds = job.skin_holds();
     job.file(name, holds, |job, out| ply(job, out))

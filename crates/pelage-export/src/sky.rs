@@ -61,7 +61,8 @@ pub(super) fn write_exr(
     })
 }
 
-/// The direction (world space, unit) of a point of pbrt's square environment map: x along columns, y along rows from the top, 0..1.
+/// The direction (world space, unit) of a point of pbrt's square environment map: x along columns,
+/// y along rows from the top, 0..1.
 // [Clarberg2008] sec. 2
 pub fn square_to_sphere(p: Vec2) -> Vec3 {
     let q = 2.0 * p - Vec2::ONE;
@@ -74,7 +75,8 @@ pub fn square_to_sphere(p: Vec2) -> Vec3 {
     Vec3::new(phi.cos().copysign(q.x) * across, phi.sin().copysign(q.y) * across, z)
 }
 
-/// The panorama, rotated by `rotate` degrees, as pbrt's square map of `side` x `side` texels. Each texel is the mean of 4 x 4 lookups.
+/// The panorama, rotated by `rotate` degrees, as pbrt's square map of `side` x `side` texels. Each
+/// texel is the mean of 4 x 4 lookups.
 pub(super) fn squared(
     panorama: &Panorama,
     rotate: f32,

@@ -68,7 +68,8 @@ fn camera(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "        uniform token[] xformOpOrder = [\"xformOp:transform\"]\n    }}\n")
 }
 
-/// A distant light, which emits along its -z axis. With the angle 0 and normalised, its intensity is an irradiance.
+/// A distant light, which emits along its -z axis. With the angle 0 and normalised, its intensity
+/// is an irradiance.
 fn distant(number: usize, light: &Light, out: &mut dyn Write) -> io::Result<()> {
     let z = light.direction;
     let x = z.any_orthonormal_vector();

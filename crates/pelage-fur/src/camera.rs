@@ -7,9 +7,11 @@ use pelage_core::scene::Camera;
 /// The march of each sample starts at a random phase of its own.
 pub const FLAG_MARCH_JITTER: u32 = 1;
 
-/// The frame globals of `camera` for a film of `film` samples. The tile is the whole film until the caller sets another.
+/// The frame globals of `camera` for a film of `film` samples. The tile is the whole film until the
+/// caller sets another.
 ///
-/// `lens` is the point on the lens, in lens diameters (−0.5..0.5); `jitter` is the displacement of the sample grid, in samples.
+/// `lens` is the point on the lens, in lens diameters (−0.5..0.5); `jitter` is the displacement of
+/// the sample grid, in samples.
 pub fn frame(camera: &Camera, film: [u32; 2], lens: Vec2, jitter: Vec2, seed: u32) -> Frame {
     let eye = Vec3::from(camera.eye);
     let target = Vec3::from(camera.target);

@@ -1,8 +1,13 @@
 //! Scattering of light by a single hair: the models shared by strands, volume and path tracer.
 //!
-//! Directions are given in the fibre's frame, x along the tangent from root to tip, so that `sin θ = w.x` and `φ = atan2(w.z, w.y)`. Both directions leave the hair: ω_i towards the light, ω_o towards the viewer. A model is a function f with `L_o = ∫ f(ω_i, ω_o) L_i cos θ_i dω_i`; it is lossless if `∫ f cos θ_i dω_i = 1` for every ω_o.
+//! Directions are given in the fibre's frame, x along the tangent from root to tip, so that
+//! `sin θ = w.x` and `φ = atan2(w.z, w.y)`. Both directions leave the hair: ω_i towards the light,
+//! ω_o towards the viewer. A model is a function f with `L_o = ∫ f(ω_i, ω_o) L_i cos θ_i dω_i`; it
+//! is lossless if `∫ f cos θ_i dω_i = 1` for every ω_o.
 //!
-//! Chiang's model and the one of hairs with a medulla depend on the offset h across the fibre (near field) and are not reciprocal: their parameters follow the inclination of ω_o. The others are far-field models.
+//! Chiang's model and the one of hairs with a medulla depend on the offset h across the fibre (near
+//! field) and are not reciprocal: their parameters follow the inclination of ω_o. The others are
+//! far-field models.
 
 mod chiang;
 mod kajiya_kay;
@@ -44,7 +49,8 @@ pub struct Hit {
     pub tint: Vec3,
     /// Azimuth of the strand's glints relative to ω_o, radians.
     pub glint_angle: f32,
-    /// Offset across the fibre, −1..1: the sine of the azimuth of ω_o minus that of the surface normal. Near-field models depend on it; their mean over h is the far field.
+    /// Offset across the fibre, −1..1: the sine of the azimuth of ω_o minus that of the surface
+    /// normal. Near-field models depend on it; their mean over h is the far field.
     pub h: f32,
 }
 
@@ -82,7 +88,8 @@ impl Angles {
         Self { i: inclination(wi.x), o: inclination(wo.x), phi }
     }
 
-    /// From directions `l` to the light and `v` to the viewer around a hair of unit tangent `tangent`, all in one space. The azimuth has no sign, because far fields are even in it.
+    /// From directions `l` to the light and `v` to the viewer around a hair of unit tangent
+    /// `tangent`, all in one space. The azimuth has no sign, because far fields are even in it.
     pub fn around(tangent: Vec3, l: Vec3, v: Vec3) -> Self {
         let (i, o) = (inclination(tangent.dot(l)), inclination(tangent.dot(v)));
         let (lp, vp) = (l - i[0] * tangent, v - o[0] * tangent);
@@ -95,7 +102,8 @@ impl Angles {
     }
 }
 
-/// Number of offsets over which a far field is averaged: even steps of the angle of incidence on the cross section.
+/// Number of offsets over which a far field is averaged: even steps of the angle of incidence on
+/// the cross section.
 const FAR_STEPS: u32 = 200;
 
 /// Offsets h in −1..1 with weights that sum to 1.
@@ -109,7 +117,8 @@ pub fn offsets(steps: u32) -> impl Iterator<Item = (f32, f32)> {
 }
 
 impl Fibre {
-    /// The model that a fibre table of the scene describes, for a layer whose table may leave the model open. With `paper` the model is the default of the layer.
+    /// The model that a fibre table of the scene describes, for a layer whose table may leave the
+    /// model open. With `paper` the model is the default of the layer.
     pub fn new(spec: &FibreSpec, layer: Layer, paper: bool) -> Self {
         let default = match layer {
             Layer::Guard => FibreModel::Sadeghi,
@@ -208,7 +217,8 @@ impl Fibre {
             .sum()
     }
 
-    /// Samples ω_i for a given ω_o from four uniform numbers in 0..1; `None` where the density vanishes.
+    /// Samples ω_i for a given ω_o from four uniform numbers in 0..1; `None` where the density
+    /// vanishes.
     pub fn sample(&self, hit: &Hit, wo: Vec3, u: [f32; 4]) -> Option<Sample> {
         let o = inclination(wo.x);
         let (sin, phi) = match self {

@@ -12,7 +12,8 @@ use pelage_core::scene::{
 };
 use pelage_core::{Result, World};
 
-/// Words of the scattered light at a node of the optical-depth lattice, after the optical depths: mean radiance from above and from below.
+/// Words of the scattered light at a node of the optical-depth lattice, after the optical depths:
+/// mean radiance from above and from below.
 pub const SCATTERED_WORDS: u32 = 3;
 
 /// Bytes of a texel of the map buffer: four halves.
@@ -75,12 +76,14 @@ pub fn multiple_model(scene: &Scene) -> MultipleModel {
     }
 }
 
-/// Words of packed optical depths at a lattice node: two per word, one for each light and one for the view direction in the slot after the last light.
+/// Words of packed optical depths at a lattice node: two per word, one for each light and one for
+/// the view direction in the slot after the last light.
 pub fn tau_pairs(lights: u32) -> u32 {
     (lights + 2) / 2
 }
 
-/// Words of a lattice node in the optical-depth buffer: the optical depths and, for the `transport` model, the scattered light.
+/// Words of a lattice node in the optical-depth buffer: the optical depths and, for the `transport`
+/// model, the scattered light.
 pub fn tau_stride(scene: &Scene, lights: u32) -> u32 {
     let scattered = multiple_model(scene) == MultipleModel::Transport;
     tau_pairs(lights) + if scattered { SCATTERED_WORDS } else { 0 }
@@ -201,7 +204,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     })
 }
 
-/// Packs the lights; the key lights are the two brightest of those that light the undercoat, by luminance.
+/// Packs the lights; the key lights are the two brightest of those that light the undercoat, by
+/// luminance.
 // [BT709]
 fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
     let mut lights: Vec<Light> = world
@@ -237,7 +241,8 @@ fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
     (parameters, lights)
 }
 
-/// The tables of the `noise` crate's simplex noise for a seed, as `shaders/shared/noise.wgsl` reads them.
+/// The tables of the `noise` crate's simplex noise for a seed, as `shaders/shared/noise.wgsl` reads
+/// them.
 // [Perlin2001], [Gustavson2005]
 pub fn noise_tables(seed: u32) -> Noise {
     let table = PermutationTable::new(seed);

@@ -30,7 +30,8 @@ pub struct Strand {
     seed: u32,
 }
 
-/// Vector from `p` (cm) to the nearest clump centre, cm; each cell of a jittered grid has one centre.
+/// Vector from `p` (cm) to the nearest clump centre, cm; each cell of a jittered grid has one
+/// centre.
 // [Worley1996]
 fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
     let size = 1.0 / groom.clump_density.max(1e-6).sqrt();

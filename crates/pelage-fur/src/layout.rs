@@ -1,4 +1,5 @@
-//! All structs that Rust and WGSL share, declared once; a test compares them with naga's reflection.
+//! All structs that Rust and WGSL share, declared once; a test compares them with naga's
+//! reflection.
 //!
 //! Fields have the names and the order of those in the WGSL struct of the same name.
 
@@ -287,7 +288,8 @@ shared! {
     struct StrandBatch {
         strands: u32,
     }
-    /// `hair_roots.wgsl`: a range of triangles, the largest density (hairs/cm²) and the seed of the rendering.
+    /// `hair_roots.wgsl`: a range of triangles, the largest density (hairs/cm²) and the seed of the
+    /// rendering.
     struct RootRange {
         first: u32,
         count: u32,

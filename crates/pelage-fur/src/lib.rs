@@ -1,4 +1,5 @@
-//! The fur on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering. Each formula stands here once.
+//! The fur on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering. Each
+//! formula stands here once.
 
 pub mod camera;
 pub mod fibre;

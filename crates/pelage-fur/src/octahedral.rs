@@ -1,4 +1,5 @@
-//! Twin of `shaders/shared/octahedral.wgsl`: unit vectors in the octahedral map, −1..1 in both coordinates.
+//! Twin of `shaders/shared/octahedral.wgsl`: unit vectors in the octahedral map, −1..1 in both
+//! coordinates.
 // [Meyer2010]
 
 use glam::{Vec2, Vec3};

@@ -1,4 +1,5 @@
-//! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point of the skin.
+//! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point
+//! of the skin.
 
 use crate::layout::Groom;
 use crate::shell::Shell;

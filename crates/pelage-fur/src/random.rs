@@ -30,7 +30,8 @@ pub fn random(seed: u32, k: u32) -> f32 {
     unit_float(hash2(seed, k))
 }
 
-/// Steps of the R2 sequence: the fractional parts of their multiples are evenly distributed over the unit square, whatever their number.
+/// Steps of the R2 sequence: the fractional parts of their multiples are evenly distributed over
+/// the unit square, whatever their number.
 // [Roberts2018]
 pub const R2_STEPS: [f64; 2] = [0.754_877_666_246_692_8, 0.569_840_290_998_053_3];
 
@@ -41,7 +42,8 @@ pub fn r2(start: Vec2, k: u32) -> Vec2 {
     point - point.floor()
 }
 
-/// Maps a point of the unit square to barycentric coordinates of a triangle, preserving even distributions.
+/// Maps a point of the unit square to barycentric coordinates of a triangle, preserving even
+/// distributions.
 // [Turk1990]
 pub fn even_barycentric(u: Vec2) -> Vec3 {
     let r = u.x.sqrt();

@@ -1,4 +1,5 @@
-//! Twin of `shaders/shared/shell.wgsl`: places in the prism shell, subelement indices, hops to neighbours.
+//! Twin of `shaders/shared/shell.wgsl`: places in the prism shell, subelement indices, hops to
+//! neighbours.
 
 use crate::layout::{Prism, ShellVertex};
 use glam::{IVec3, Vec3};
@@ -98,7 +99,8 @@ impl Shell {
         *place = Place { t: place.t, lambda: place.lambda, dt_dz: place.dt_dz, ..self.enter(index) };
     }
 
-    /// Solves for t and lambda of point `x` (cm) in the place's prism by Newton's method, starting from the place's t; `ray` is the direction for `dt_dz`.
+    /// Solves for t and lambda of point `x` (cm) in the place's prism by Newton's method, starting
+    /// from the place's t; `ray` is the direction for `dt_dz`.
     #[inline]
     pub fn solve(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) {
         let highest = 1.5 * self.light_reach;
@@ -121,7 +123,8 @@ impl Shell {
         place.dt_dz = -ray.dot(n) / not_zero(slope);
     }
 
-    /// Locates point `x` (cm): solves in the place's prism and hops across the edge with the most negative barycentric coordinate until `x` is inside.
+    /// Locates point `x` (cm): solves in the place's prism and hops across the edge with the most
+    /// negative barycentric coordinate until `x` is inside.
     // DEVIATION: [Andersen2016] sec. 3.2 hops across the closest edge.
     #[inline]
     pub fn locate(&self, place: &mut Place, x: Vec3, ray: Vec3, iterations: u32) -> Located {
@@ -154,7 +157,8 @@ impl Shell {
     }
 }
 
-/// The corner with the smallest barycentric coordinate, the lowest index among equals: it is opposite the edge to cross.
+/// The corner with the smallest barycentric coordinate, the lowest index among equals: it is
+/// opposite the edge to cross.
 pub fn most_negative(lambda: Vec3) -> usize {
     let least = lambda.min_element();
     if lambda.x == least {
@@ -180,7 +184,9 @@ impl Place {
         self.v0 + lambda.y * self.w1 + lambda.z * self.w2
     }
 
-    /// Density at height `t` of hairs with unit direction `tangent`, relative to that at the skin: the area of the layer differs from the skin's, and hairs that lean pass through a smaller projected area.
+    /// Density at height `t` of hairs with unit direction `tangent`, relative to that at the skin:
+    /// the area of the layer differs from the skin's, and hairs that lean pass through a smaller
+    /// projected area.
     #[inline]
     pub fn crowding(&self, t: f32, tangent: Vec3) -> f32 {
         let skin = self.e1.cross(self.e2).length();

@@ -1,4 +1,5 @@
-//! Twin of `shaders/shell_prisms.wgsl`: heights of the shell above the vertices of the skin, and the complete shell.
+//! Twin of `shaders/shell_prisms.wgsl`: heights of the shell above the vertices of the skin, and
+//! the complete shell.
 
 use crate::groom::{self, PackedGroom};
 use crate::layout::{Prism, ShellVertex};
@@ -12,7 +13,8 @@ use pelage_core::{Skin, World};
 /// Rounds of the slope limit; each lets a lowered vertex lower those one edge further away.
 pub const SPREAD_ROUNDS: usize = 24;
 
-/// Height that the groom asks for over vertex `v`, cm. Vertex colours are rounded to eight bits per channel, as on the GPU.
+/// Height that the groom asks for over vertex `v`, cm. Vertex colours are rounded to eight bits per
+/// channel, as on the GPU.
 fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]], v: usize) -> f32 {
     let color = skin.colors.get(v).copied().unwrap_or(Vec3::ONE);
     let at = SkinPoint {
@@ -30,7 +32,10 @@ const FOLD_STEPS: u32 = 16;
 /// Largest slope of the shell's top relative to the skin.
 const STEEPEST: f32 = 0.8;
 
-/// Heights of the shell over the vertices, cm, extruded along `normals`. They are the wanted heights, lowered where a prism's top would keep less than a fifth of its triangle's area, and around such places so that the top is nowhere too steep. A prism alone lowers its vertices to no less than a twentieth.
+/// Heights of the shell over the vertices, cm, extruded along `normals`. They are the wanted
+/// heights, lowered where a prism's top would keep less than a fifth of its triangle's area, and
+/// around such places so that the top is nowhere too steep. A prism alone lowers its vertices to no
+/// less than a twentieth.
 pub fn heights(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]]) -> Vec<f32> {
     lowered(skin, normals, &wanted_heights(skin, normals, maps, vertex_uv))
 }
@@ -68,7 +73,8 @@ pub fn lowered(skin: &Skin, normals: &[Vec3], wanted: &[f32]) -> Vec<f32> {
     heights
 }
 
-/// Signed area of a triangle extruded by `part` of the heights, relative to its own area; negative if it has turned over.
+/// Signed area of a triangle extruded by `part` of the heights, relative to its own area; negative
+/// if it has turned over.
 pub fn part_of_area(skin: &Skin, normals: &[Vec3], triangle: &[u32; 3], heights: &[f32], part: f32) -> f32 {
     let p = triangle.map(|v| skin.positions[v as usize]);
     let q = triangle.map(|v| skin.positions[v as usize] + part * heights[v as usize] * normals[v as usize]);

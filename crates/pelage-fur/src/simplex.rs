@@ -1,4 +1,5 @@
-//! Simplex noise of the `noise` crate in double precision: the oracle for `shaders/shared/noise.wgsl`.
+//! Simplex noise of the `noise` crate in double precision: the oracle for
+//! `shaders/shared/noise.wgsl`.
 // [Perlin2001], [Gustavson2005]
 
 use glam::{Vec2, Vec3};

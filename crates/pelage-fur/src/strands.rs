@@ -1,4 +1,5 @@
-//! Twin of `shaders/shared/strands.wgsl`: strand vertices as four words, xyz in cm and two halves (radius in units of 0.01 cm, opacity).
+//! Twin of `shaders/shared/strands.wgsl`: strand vertices as four words, xyz in cm and two halves
+//! (radius in units of 0.01 cm, opacity).
 
 use glam::{Vec3, Vec4};
 use half::f16;

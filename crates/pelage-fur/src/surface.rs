@@ -25,7 +25,8 @@ pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
     of_vertex
 }
 
-/// The skin's vertices, with directions of extrusion for a shell `height` cm high; the heights are left at 0.
+/// The skin's vertices, with directions of extrusion for a shell `height` cm high; the heights are
+/// left at 0.
 pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
     let normals = shell_normals(skin, height);
     (0..skin.positions.len())
@@ -44,7 +45,8 @@ pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
 
 /// Level of subdivision and first subelement of each prism, and the total number of subelements.
 ///
-/// Without a level in the scene, the longest edge is divided into parts of `underundercoat.cell`. This does not depend on the camera, so that nothing pops.
+/// Without a level in the scene, the longest edge is divided into parts of `underundercoat.cell`.
+/// This does not depend on the camera, so that nothing pops.
 // [Andersen2016] sec. 3 calls this dynamic resolution, without a criterion.
 pub fn subdivide(skin: &Skin, world: &World, has_undercoat_layer: bool) -> (Vec<[u32; 2]>, u64) {
     let undercoat = &world.scene.undercoat;
@@ -72,7 +74,8 @@ pub fn shell_normals(skin: &Skin, height: f32) -> Vec<Vec3> {
     extrusion_normals(skin, 0.7 * height)
 }
 
-/// The skin's normals, averaged over about `radius` cm, so that detail finer than the height of the fur does not turn prisms over.
+/// The skin's normals, averaged over about `radius` cm, so that detail finer than the height of the
+/// fur does not turn prisms over.
 ///
 /// Repeated averaging over neighbours spreads with the square root of the number of rounds.
 fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
@@ -88,7 +91,8 @@ fn extrusion_normals(skin: &Skin, radius: f32) -> Vec<Vec3> {
                 sums[*v as usize] += sum;
             }
         }
-        // On a thin ear the two sides would cancel: no normal may stray far from that of its own surface.
+        // On a thin ear the two sides would cancel: no normal may stray far from that of its own
+        // surface.
         normals = (0..normals.len())
             .map(|i| match sums[i].try_normalize() {
                 Some(n) if n.dot(skin.normals[i]) > 0.6 => n,

@@ -1,4 +1,5 @@
-//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: density, tangents and scattering of the undercoat.
+//! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: density, tangents and scattering of the
+//! undercoat.
 
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
@@ -21,7 +22,8 @@ pub struct Medium {
 /// Largest relative density that can be stored.
 pub const DENSITY_RANGE: f32 = 4.0;
 
-/// Packs a medium into 32 bits: 12 bits of density, 10 bits for each coordinate of the octahedral tangent.
+/// Packs a medium into 32 bits: 12 bits of density, 10 bits for each coordinate of the octahedral
+/// tangent.
 pub fn pack_medium(m: Medium) -> u32 {
     let oct = (octahedral::encode(m.tangent) * 0.5 + 0.5) * 1023.0;
     let density = ((m.density / DENSITY_RANGE).clamp(0.0, 1.0) * 4095.0).round_ties_even() as u32;
@@ -43,13 +45,17 @@ pub fn sine(a: Vec3, b: Vec3) -> f32 {
     (1.0 - c * c).max(0.0).sqrt()
 }
 
-/// Extinction along the unit direction `w`, 1/cm: hairs of diameter d, n per area perpendicular to them, have a projected area of n d sin(tangent, w) per volume. With `isotropic` (the paper's shading) the sine is replaced by π/4, its mean over all directions.
+/// Extinction along the unit direction `w`, 1/cm: hairs of diameter d, n per area perpendicular to
+/// them, have a projected area of n d sin(tangent, w) per volume. With `isotropic` (the paper's
+/// shading) the sine is replaced by π/4, its mean over all directions.
 pub fn extinction(fur: &UndercoatParameters, m: Medium, w: Vec3) -> f32 {
     let shown = if fur.isotropic == 1 { std::f32::consts::FRAC_PI_4 } else { sine(m.tangent, w) };
     fur.extinction * m.density * shown
 }
 
-/// Mean colour of the undercoat for its colours at root (`a`) and tip (`b`), linear RGB: light that leaves the undercoat has passed both. For the absorbing models, whose absorption is proportional to the squared logarithm of the colour, it is the colour of the mean absorption.
+/// Mean colour of the undercoat for its colours at root (`a`) and tip (`b`), linear RGB: light that
+/// leaves the undercoat has passed both. For the absorbing models, whose absorption is proportional
+/// to the squared logarithm of the colour, it is the colour of the mean absorption.
 pub fn mean_color(undercoat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
     if !matches!(undercoat, Fibre::Chiang(_) | Fibre::Medulla(_)) {
         return 0.5 * (a + b);
@@ -58,7 +64,9 @@ pub fn mean_color(undercoat: &Fibre, a: Vec3, b: Vec3) -> Vec3 {
     (0.5 * (log(a) * log(a) + log(b) * log(b))).map(|square| (-square.sqrt()).exp())
 }
 
-/// Radiance towards `v` for unit irradiance from `l` (unit vectors that leave the hair) of a hair with unit tangent `tangent` and colour `tint`: f cos θ_i of the far field. For Kajiya–Kay the colour is left out; multiply by [`color`].
+/// Radiance towards `v` for unit irradiance from `l` (unit vectors that leave the hair) of a hair
+/// with unit tangent `tangent` and colour `tint`: f cos θ_i of the far field. For Kajiya–Kay the
+/// colour is left out; multiply by [`color`].
 pub fn scatter(undercoat: &Fibre, tangent: Vec3, l: Vec3, v: Vec3, tint: Vec3) -> Vec3 {
     let angles = Angles::around(tangent, l, v);
     match undercoat {
@@ -85,15 +93,18 @@ pub const LOCKS_SHIFT: f32 = 5.1;
 /// Offset of the domain of the swells' noise.
 pub const SWELLS_SHIFT: f32 = 17.3;
 
-/// The domain of clumps and locks is scaled by 1 minus this along the lean: locks of combed fur are longer than wide.
+/// The domain of clumps and locks is scaled by 1 minus this along the lean: locks of combed fur are
+/// longer than wide.
 pub const LEAN_STRETCH: f32 = 0.65;
 
-/// Relative density at height `t` (0 skin, 1 top) for the noise values `clumps` and `locks`; it may be negative.
+/// Relative density at height `t` (0 skin, 1 top) for the noise values `clumps` and `locks`; it may
+/// be negative.
 pub fn clump_factor(contrast: f32, t: f32, clumps: f32, locks: f32) -> f32 {
     1.0 + contrast * (0.35 + 0.65 * t) * (0.5 * clumps + 0.6 * locks)
 }
 
-/// Height near which the hairs of a place end, in heights of the shell, for the noise values `swells` and `locks`.
+/// Height near which the hairs of a place end, in heights of the shell, for the noise values
+/// `swells` and `locks`.
 pub fn hair_top(variation: f32, swells: f32, locks: f32) -> f32 {
     1.0 - variation * (0.5 + 0.3 * swells + 0.2 * locks)
 }
@@ -106,7 +117,8 @@ pub fn alive(top: f32, t: f32) -> f32 {
     1.0 - smoothstep(top - END[0], top + END[1], t)
 }
 
-/// Height at which the fraction `ended` of the hairs of a place has ended: the inverse of [`alive`].
+/// Height at which the fraction `ended` of the hairs of a place has ended: the inverse of
+/// [`alive`].
 pub fn end_height(top: f32, ended: f32) -> f32 {
     top - END[0] + (END[0] + END[1]) * inverse_smoothstep(ended)
 }
@@ -149,7 +161,8 @@ impl Undercoat<'_> {
         p - lean * (lean.dot(p) * LEAN_STRETCH / lean.dot(lean).max(1e-12))
     }
 
-    /// Relative density at height `t` above point `p` of the noise's domain; `jittered` is the point at which clumps and locks are read.
+    /// Relative density at height `t` above point `p` of the noise's domain; `jittered` is the
+    /// point at which clumps and locks are read.
     #[inline]
     pub fn clump_density(&self, p: Vec3, jittered: Vec3, t: f32) -> f32 {
         let fur = self.parameters;
@@ -164,7 +177,8 @@ impl Undercoat<'_> {
         clump.max(0.0) * alive(top, t) * taper(fur.diameter_ratio, t)
     }
 
-    /// Evaluates the medium at height `t` above point `p` of the noise's domain; `normal` is the unit direction of extrusion, `id` the stable number of the subelement.
+    /// Evaluates the medium at height `t` above point `p` of the noise's domain; `normal` is the
+    /// unit direction of extrusion, `id` the stable number of the subelement.
     pub fn evaluate(&self, p: Vec3, normal: Vec3, t: f32, id: u32) -> Medium {
         let fur = self.parameters;
         let h = hash2(id, fur.seed);
@@ -178,7 +192,8 @@ impl Undercoat<'_> {
         }
     }
 
-    /// Point of the noise's domain at barycentric coordinates `l` of the place's prism: a point of the skin (cm) or its uv.
+    /// Point of the noise's domain at barycentric coordinates `l` of the place's prism: a point of
+    /// the skin (cm) or its uv.
     #[inline]
     pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
         if self.parameters.noise_domain == 1 {
@@ -205,7 +220,8 @@ impl Undercoat<'_> {
         let layer = ((place.t.clamp(0.0, 1.0) * layers as f32) as u32).min(layers - 1);
         let id = subelement(place.lambda, place.subdivision);
         if self.cells.is_empty() {
-            // Quantised as if it were stored, so that the image does not depend on which of the two is used.
+            // Quantised as if it were stored, so that the image does not depend on which of the two
+            // is used.
             unpack_medium(pack_medium(self.subelement(place, layer, id)))
         } else {
             unpack_medium(self.cells[place.volume_index(layer, id) as usize])

@@ -3,7 +3,8 @@
 use crate::layout::Frame;
 use glam::{Vec2, Vec3};
 
-/// Ray through the centre of sample `xy` of the tile. Its forward component is 1, so that the ray parameter is the depth, cm.
+/// Ray through the centre of sample `xy` of the tile. Its forward component is 1, so that the ray
+/// parameter is the depth, cm.
 pub fn sample_ray(frame: &Frame, xy: [u32; 2]) -> Vec3 {
     let at = |k: usize| (frame.tile_origin[k] + xy[k] as i32) as f32;
     let s = Vec2::new(at(0), at(1)) + 0.5 + Vec2::from(frame.jitter);
@@ -17,7 +18,8 @@ pub fn ray_through(frame: &Frame, s: Vec2) -> Vec3 {
     Vec3::from(frame.forward) + slope.x * Vec3::from(frame.right) + slope.y * Vec3::from(frame.up)
 }
 
-/// Projects `p` (world, cm) to the film: xy in samples (centres at half-integers), z the depth in cm.
+/// Projects `p` (world, cm) to the film: xy in samples (centres at half-integers), z the depth in
+/// cm.
 pub fn film_from_world(frame: &Frame, p: Vec3) -> Vec3 {
     let v = p - Vec3::from(frame.eye);
     let z = v.dot(Vec3::from(frame.forward));

@@ -1,4 +1,5 @@
-//! Choice of the adapter and its limits. An insufficient adapter is rejected with an error that lists what it lacks.
+//! Choice of the adapter and its limits. An insufficient adapter is rejected with an error that
+//! lists what it lacks.
 
 use pelage_core::{Error, Result};
 
@@ -57,7 +58,9 @@ pub fn list_adapters() -> Vec<AdapterSummary> {
         .collect()
 }
 
-/// The first adapter whose name contains WGPU_ADAPTER_NAME, ignoring case. Without that variable, the best sufficient adapter: discrete before integrated GPUs (the reverse with WGPU_POWER_PREF=low), then virtual GPUs, then the CPU.
+/// The first adapter whose name contains WGPU_ADAPTER_NAME, ignoring case. Without that variable,
+/// the best sufficient adapter: discrete before integrated GPUs (the reverse with
+/// WGPU_POWER_PREF=low), then virtual GPUs, then the CPU.
 ///
 /// # Errors
 /// [`Error::Adapter`] if there is no adapter, none of that name, or none that is sufficient.
@@ -95,7 +98,8 @@ pub(super) fn select() -> Result<wgpu::Adapter> {
         .ok_or_else(|| Error::Adapter(format!("no adapter is sufficient: {}; {HELP}", lacking.join("; "))))
 }
 
-/// The limits to request: WebGPU's defaults, with the sizes of buffers and storage bindings raised to those of the adapter.
+/// The limits to request: WebGPU's defaults, with the sizes of buffers and storage bindings raised
+/// to those of the adapter.
 ///
 /// # Errors
 /// [`Error::Adapter`] with every limit that the adapter does not meet.

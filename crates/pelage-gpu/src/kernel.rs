@@ -1,7 +1,8 @@
 //! Kernels: WGSL entry points whose bindings are found by name.
 //!
-//! A resource has one name everywhere: the buffer called `prisms` is bound wherever a shader declares `prisms`. Layouts come from
-//! naga's reflection of what the entry point uses, so that Rust code contains no binding numbers.
+//! A resource has one name everywhere: the buffer called `prisms` is bound wherever a shader
+//! declares `prisms`. Layouts come from naga's reflection of what the entry point uses, so that
+//! Rust code contains no binding numbers.
 
 use super::{Buffer, Gpu, shader};
 use pelage_core::{Error, Result};
@@ -56,13 +57,15 @@ struct Binding {
     index: u32,
     ty: wgpu::BindingType,
     stages: wgpu::ShaderStages,
-    /// Size of the declared type in bytes, a runtime-sized array counted as one element; 0 for textures and samplers.
+    /// Size of the declared type in bytes, a runtime-sized array counted as one element; 0 for
+    /// textures and samplers.
     size: u64,
 }
 
 impl Binding {
-    /// Whether a buffer of `size` bytes fits the declaration. A uniform buffer must have the size of its struct, rounded up because buffers are
-    /// allocated in multiples of 16 bytes; a storage buffer may be larger than declared.
+    /// Whether a buffer of `size` bytes fits the declaration. A uniform buffer must have the size
+    /// of its struct, rounded up because buffers are allocated in multiples of 16 bytes; a storage
+    /// buffer may be larger than declared.
     fn takes(&self, size: u64) -> bool {
         match self.ty {
             wgpu::BindingType::Buffer { ty: wgpu::BufferBindingType::Uniform, .. } => {
@@ -189,7 +192,8 @@ impl Interface {
     }
 }
 
-/// Size of a buffer's declared type in bytes, a runtime-sized array counted as one element; 0 for other resources.
+/// Size of a buffer's declared type in bytes, a runtime-sized array counted as one element; 0 for
+/// other resources.
 fn size_of(module: &naga::Module, variable: &naga::GlobalVariable) -> u64 {
     match variable.space {
         naga::AddressSpace::Uniform | naga::AddressSpace::Storage { .. } => {
@@ -327,7 +331,8 @@ impl Kernel {
 pub enum Target {
     /// Triangle numbers, with depth test and depth writes; both sides are drawn.
     TriangleIds,
-    /// No colour target: the fragment stage writes to storage buffers. Front faces only, no depth test.
+    /// No colour target: the fragment stage writes to storage buffers. Front faces only, no depth
+    /// test.
     Records,
     /// Premultiplied colours with a depth test.
     Color {

@@ -1,4 +1,5 @@
-//! The GPU layer: adapter and limits, kernels bound by reflection, counted memory, timed recordings. It knows no pass.
+//! The GPU layer: adapter and limits, kernels bound by reflection, counted memory, timed
+//! recordings. It knows no pass.
 
 pub mod adapter;
 pub mod kernel;
@@ -29,7 +30,8 @@ pub struct Gpu {
     pub limits: wgpu::Limits,
     /// Whether passes can be timed.
     pub timestamps: bool,
-    /// Whether the adapter runs on the CPU. Each pass is then submitted alone and timed by the wall clock.
+    /// Whether the adapter runs on the CPU. Each pass is then submitted alone and timed by the wall
+    /// clock.
     pub software: bool,
     /// Bytes allocated now and at peak.
     pub ledger: Arc<Ledger>,
@@ -49,11 +51,12 @@ struct Faults {
 }
 
 impl Gpu {
-    /// Opens the adapter that the environment selects (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF); shaders are read from
-    /// `sources`.
+    /// Opens the adapter that the environment selects (WGPU_BACKEND, WGPU_ADAPTER_NAME,
+    /// WGPU_POWER_PREF); shaders are read from `sources`.
     ///
     /// # Errors
-    /// [`Error::Adapter`] if there is no adapter, none of the requested name, its limits are below what the passes need, or it opens no device.
+    /// [`Error::Adapter`] if there is no adapter, none of the requested name, its limits are below
+    /// what the passes need, or it opens no device.
     pub fn open(sources: Sources) -> Result<Self> {
         let adapter = adapter::select()?;
         let info = adapter.get_info();
@@ -99,7 +102,8 @@ impl Gpu {
         })
     }
 
-    /// The result of `make`, which is called once per type and `key` and its result kept with the device, so that kernels are compiled once per device and variant.
+    /// The result of `make`, which is called once per type and `key` and its result kept with the
+    /// device, so that kernels are compiled once per device and variant.
     ///
     /// # Errors
     /// Those of `make`.
@@ -126,7 +130,8 @@ impl Gpu {
     pub fn check(&self, during: &str) -> Result<()> {
         let faults = || self.faults.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
         if !faults().errors.is_empty() {
-            // Calls on a lost device fail in many ways; the loss itself may be reported only by this poll.
+            // Calls on a lost device fail in many ways; the loss itself may be reported only by
+            // this poll.
             self.device.poll(wgpu::PollType::Poll).ok();
         }
         let mut faults = faults();
@@ -148,7 +153,8 @@ impl Gpu {
         self.limits.max_storage_buffer_binding_size.min(self.limits.max_buffer_size)
     }
 
-    /// A zeroed storage buffer of `size` bytes, rounded up to a multiple of 16 and counted under row `step` of the paper's Table 1.
+    /// A zeroed storage buffer of `size` bytes, rounded up to a multiple of 16 and counted under
+    /// row `step` of the paper's Table 1.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if it does not fit one binding or the device is out of memory.
@@ -223,7 +229,8 @@ impl Gpu {
             let _ = sender.send(r);
         });
         self.wait(buffer.name)?;
-        // Another thread that polls the same device may run the callback slightly later than this one returns from its wait.
+        // Another thread that polls the same device may run the callback slightly later than this
+        // one returns from its wait.
         match done.recv_timeout(std::time::Duration::from_secs(10)) {
             Ok(Ok(())) => {}
             Ok(Err(e)) => return Err(Error::gpu(buffer.name, e)),

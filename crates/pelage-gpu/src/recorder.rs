@@ -8,8 +8,8 @@ use std::collections::BTreeMap;
 /// Timestamp queries per recording, two per pass. Passes beyond that have no time.
 const QUERIES: u32 = 512;
 
-/// Samples around the tile that the viewport also covers, so that triangles are not clipped at the tile's edge. Must equal
-/// `RASTER_MARGIN` in `shaders/shared/frame.wgsl`.
+/// Samples around the tile that the viewport also covers, so that triangles are not clipped at the
+/// tile's edge. Must equal `RASTER_MARGIN` in `shaders/shared/frame.wgsl`.
 pub const RASTER_MARGIN: f32 = 1024.0;
 
 /// Times of passes by label (`stem.entry`), summed over recordings.
@@ -48,8 +48,8 @@ pub struct Recorder<'g> {
     encoder: wgpu::CommandEncoder,
     queries: Option<(wgpu::QuerySet, wgpu::Buffer)>,
     labels: Vec<String>,
-    /// Milliseconds of each pass by the wall clock, on software adapters only: Mesa's timestamps no longer enclose compute passes once
-    /// anything has been rasterised.
+    /// Milliseconds of each pass by the wall clock, on software adapters only: Mesa's timestamps no
+    /// longer enclose compute passes once anything has been rasterised.
     clock: Vec<f64>,
 }
 
@@ -85,7 +85,8 @@ impl<'g> Recorder<'g> {
         (self.queries.is_some() && first + 2 <= QUERIES).then_some((first, first + 1))
     }
 
-    /// Records `invocations` invocations of `kernel` in workgroups of 64, folded to two dimensions where one does not hold them.
+    /// Records `invocations` invocations of `kernel` in workgroups of 64, folded to two dimensions
+    /// where one does not hold them.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a binding has no resource or two dimensions do not hold the dispatch.
@@ -136,7 +137,8 @@ impl<'g> Recorder<'g> {
         self.draw_instances(kernel, scope, targets, [vertices, 1], true)
     }
 
-    /// Records a draw of `instances` instances of `vertices` vertices each, in order. `clear`: clears the targets first.
+    /// Records a draw of `instances` instances of `vertices` vertices each, in order. `clear`:
+    /// clears the targets first.
     ///
     /// # Errors
     /// [`Error::Gpu`] if a binding has no resource.
@@ -191,7 +193,8 @@ impl<'g> Recorder<'g> {
         self.run_by_clock()
     }
 
-    /// On a software adapter, submits what was recorded and measures its time; does nothing otherwise.
+    /// On a software adapter, submits what was recorded and measures its time; does nothing
+    /// otherwise.
     fn run_by_clock(&mut self) -> Result<()> {
         if !self.gpu.software {
             return Ok(());
@@ -213,7 +216,8 @@ impl<'g> Recorder<'g> {
     /// Submits the recording, waits for it, and adds its times to `timings`.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`], [`Error::OutOfMemory`] or [`Error::Gpu`]; they name the last pass recorded.
+    /// [`Error::DeviceLost`], [`Error::OutOfMemory`] or [`Error::Gpu`]; they name the last pass
+    /// recorded.
     pub fn submit(mut self, timings: &mut Timings) -> Result<()> {
         let used = (2 * self.labels.len() as u32).min(QUERIES);
         let mut readback = None;

@@ -25,7 +25,8 @@ impl Resolved {
     }
 }
 
-/// The shader called `name` with `#import FILE` replaced by that file at its first occurrence and by nothing at later ones.
+/// The shader called `name` with `#import FILE` replaced by that file at its first occurrence and
+/// by nothing at later ones.
 ///
 /// # Errors
 /// [`Error::Gpu`] for an unknown name, with file and line of the import.

@@ -1,9 +1,10 @@
 //! A bounding volume hierarchy with four boxes in a node.
 //!
-//! Things are sorted along a space-filling curve and cut into chunks. obvhs builds a binary tree over each chunk, which is collapsed into
-//! nodes of four children. So building uses all cores, and the builder's own memory is that of a few chunks. The result depends on
-//! the things alone.
-// [MeisterBittner2018Ploc] and [MeisterBittner2018Reinsertion] by obvhs, [Wald2008] collapse, [Williams2005] ray and box
+//! Things are sorted along a space-filling curve and cut into chunks. obvhs builds a binary tree
+//! over each chunk, which is collapsed into nodes of four children. So building uses all cores, and
+//! the builder's own memory is that of a few chunks. The result depends on the things alone.
+// [MeisterBittner2018Ploc] and [MeisterBittner2018Reinsertion] by obvhs, [Wald2008] collapse,
+// [Williams2005] ray and box
 
 use glam::{Vec3A, Vec4};
 use obvhs::{
@@ -46,7 +47,8 @@ struct Node {
     children: [u32; 4],
 }
 
-/// Largest number of bytes per part while the hierarchy is built, measured with tests/pathtrace_memory.rs.
+/// Largest number of bytes per part while the hierarchy is built, measured with
+/// tests/pathtrace_memory.rs.
 pub const BYTES_A_PART: u64 = 128;
 
 /// Bytes that the builder needs for the chunks in progress and the threads' stacks.
@@ -211,8 +213,8 @@ impl Bvh {
         (self.nodes.len() * std::mem::size_of::<Node>()) as u64
     }
 
-    /// Calls `visit` for all things whose boxes a ray meets before `limit`, nearer boxes first; `visit` returns the new limit. A negative
-    /// limit ends the traversal. Returns the last limit.
+    /// Calls `visit` for all things whose boxes a ray meets before `limit`, nearer boxes first;
+    /// `visit` returns the new limit. A negative limit ends the traversal. Returns the last limit.
     #[inline]
     pub fn walk(
         &self,
@@ -307,8 +309,9 @@ fn binary(boxes: &[Aabb]) -> Bvh2 {
     tree
 }
 
-/// Collapses a binary tree into nodes of four, which are appended to `nodes`, the root first: of a node's children, that with the largest
-/// box is opened until there are four. `leaf` gives the child for a thing. Returns the box around everything.
+/// Collapses a binary tree into nodes of four, which are appended to `nodes`, the root first: of a
+/// node's children, that with the largest box is opened until there are four. `leaf` gives the
+/// child for a thing. Returns the box around everything.
 fn collapse(tree: &Bvh2, nodes: &mut Vec<Node>, leaf: impl Fn(u32) -> u32) -> Aabb {
     let thing = |i: u32| leaf(tree.primitive_indices[tree.nodes[i as usize].first_index as usize]);
     let first = nodes.len() as u32;

@@ -1,4 +1,5 @@
-//! Rays from the camera: through a point of the pixel, drawn by its filter, and a point of the lens.
+//! Rays from the camera: through a point of the pixel, drawn by its filter, and a point of the
+//! lens.
 
 use super::bvh::{Bounds, Ray};
 use glam::{Vec2, Vec3, Vec3A};
@@ -36,7 +37,8 @@ pub struct View {
 /// A ray from the camera.
 #[derive(Debug, Clone, Copy)]
 pub struct CameraRay {
-    /// Starts where it comes near the scene, so that points on it are as exact as those of rays within.
+    /// Starts where it comes near the scene, so that points on it are as exact as those of rays
+    /// within.
     pub ray: Ray,
     /// Depth of its start, cm along the viewing direction.
     pub depth: f32,
@@ -88,7 +90,8 @@ impl View {
         Self { frame, lens, filter: FilterSampler::new(scene), bounds }
     }
 
-    /// The ray of a pixel, for two numbers that draw from the filter and two that draw from the lens, each in 0..1.
+    /// The ray of a pixel, for two numbers that draw from the filter and two that draw from the
+    /// lens, each in 0..1.
     pub fn ray(&self, pixel: [u32; 2], u: [f32; 4]) -> CameraRay {
         let (x, wx) = self.filter.draw(u[0]);
         let (y, wy) = self.filter.draw(u[1]);

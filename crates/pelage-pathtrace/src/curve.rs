@@ -1,9 +1,10 @@
 //! Segments of hairs: truncated cones that meet their neighbours in mitred joints.
 //!
-//! A segment is the part of an infinite cone between two planes. At a joint both segments share the plane that bisects the angle
-//! between them, so that a bent hair has no gaps on its outer side and no overlaps on its inner side. At its ends a hair is cut
-//! square. The solid is closed: rays along a hair meet its end. Only a change of taper at a joint leaves a step, as large as
-//! the radius times the change of slope.
+//! A segment is the part of an infinite cone between two planes. At a joint both segments share the
+//! plane that bisects the angle between them, so that a bent hair has no gaps on its outer side and
+//! no overlaps on its inner side. At its ends a hair is cut square. The solid is closed: rays along
+//! a hair meet its end. Only a change of taper at a joint leaves a step, as large as the radius
+//! times the change of slope.
 
 use super::bvh::Ray;
 use glam::{Vec3A, Vec4};
@@ -53,7 +54,8 @@ impl Cone {
         })
     }
 
-    /// The cone between two points with radii as [`crate::geometry`] keeps them, where the sign of a radius is a mark.
+    /// The cone between two points with radii as [`crate::geometry`] keeps them, where the sign of
+    /// a radius is a mark.
     #[inline]
     pub fn of_segment(a: Vec4, b: Vec4) -> Option<Self> {
         Self::new(Vec3A::from_vec4(a), Vec3A::from_vec4(b), [a.w.abs(), b.w.abs()])
@@ -67,7 +69,8 @@ impl Cone {
         let across = direction - along * self.axis;
         let across2 = across.length_squared();
         let from_axis = w - w.dot(self.axis) * self.axis;
-        // Measured from where the ray is nearest to the axis, no large numbers cancel, however far its origin is.
+        // Measured from where the ray is nearest to the axis, no large numbers cancel, however far
+        // its origin is.
         let nearest = if across2 > 1e-9 {
             -from_axis.dot(across) / across2
         } else {
@@ -89,7 +92,8 @@ impl Cone {
             let root = discriminant.sqrt();
             ((-b - root) / a, (-b + root) / a)
         } else if a < -1e-12 {
-            // Closer to the axis than the cone's side: the ray crosses the side once on this side of the apex.
+            // Closer to the axis than the cone's side: the ray crosses the side once on this side
+            // of the apex.
             let root = discriminant.sqrt();
             let (first, last) = ((-b + root) / a, (-b - root) / a);
             if self.slope * along > 0.0 { (last, f32::INFINITY) } else { (f32::NEG_INFINITY, first) }
@@ -104,7 +108,8 @@ impl Cone {
         Some(Span { enter: enter + nearest, exit: exit + nearest, nearest, side: true, near })
     }
 
-    /// Clips `span` to the planes through the start and the end of the axis, whose `normals` point from root to tip.
+    /// Clips `span` to the planes through the start and the end of the axis, whose `normals` point
+    /// from root to tip.
     #[inline]
     pub fn cut(&self, mut span: Span, direction: Vec3A, normals: [Vec3A; 2]) -> Option<Span> {
         let end = self.length * self.axis;
@@ -127,10 +132,11 @@ impl Cone {
         (span.enter < span.exit).then_some(span)
     }
 
-    /// Where a ray enters at the distance `enter`: position along the axis, 0..1; radius there, cm; offset across the hair in radii,
-    /// -1..1.
+    /// Where a ray enters at the distance `enter`: position along the axis, 0..1; radius there, cm;
+    /// offset across the hair in radii, -1..1.
     ///
-    /// The offset is sin(φ_o - φ_n) with the azimuth φ_o of the direction back along the ray and φ_n of the normal.
+    /// The offset is sin(φ_o - φ_n) with the azimuth φ_o of the direction back along the ray and
+    /// φ_n of the normal.
     pub fn place(&self, span: &Span, direction: Vec3A, enter: f32) -> (f32, f32, f32) {
         let at = span.near + (enter - span.nearest) * direction;
         let along = at.dot(self.axis).clamp(0.0, self.length);
@@ -141,17 +147,20 @@ impl Cone {
     }
 }
 
-/// Whether the line of a ray surely misses a segment of at most `radius`: a cheap test that rejects most segments whose box is met.
+/// Whether the line of a ray surely misses a segment of at most `radius`: a cheap test that rejects
+/// most segments whose box is met.
 #[inline]
 pub fn misses(ray: &Ray, start: Vec3A, end: Vec3A, radius: f32) -> bool {
     let common = ray.direction.cross(end - start);
     let distance = (ray.origin - start).dot(common);
-    // Mitred ends of tapered segments are a little thicker; the second term, a tenth of a µm, is far above rounding.
+    // Mitred ends of tapered segments are a little thicker; the second term, a tenth of a µm, is
+    // far above rounding.
     let reach = 1.05 * radius + 1e-5;
     distance * distance > reach * reach * common.length_squared()
 }
 
-/// Second and third axis of the frame of a fibre. The second is as close to `towards` as possible, which so has the azimuth 0.
+/// Second and third axis of the frame of a fibre. The second is as close to `towards` as possible,
+/// which so has the azimuth 0.
 #[inline]
 pub fn frame(axis: Vec3A, towards: Vec3A) -> (Vec3A, Vec3A) {
     let across = towards - towards.dot(axis) * axis;
@@ -161,8 +170,8 @@ pub fn frame(axis: Vec3A, towards: Vec3A) -> (Vec3A, Vec3A) {
     (y, axis.cross(y))
 }
 
-/// Half the extent along the world's axes of a hair's cross section; `bend` is the tangent of half the angle between the segments that
-/// meet there.
+/// Half the extent along the world's axes of a hair's cross section; `bend` is the tangent of half
+/// the angle between the segments that meet there.
 pub fn extent(axis: Vec3A, radius: f32, bend: f32) -> Vec3A {
     let across = (Vec3A::ONE - axis * axis).max(Vec3A::ZERO);
     radius * (Vec3A::from(glam::Vec3::from(across).to_array().map(f32::sqrt)) + bend * axis.abs())

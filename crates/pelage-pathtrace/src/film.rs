@@ -1,5 +1,5 @@
-//! Running means of samples. They are kept in single precision: a file holds them exactly, and a rendering resumes from it as if it had
-//! never stopped.
+//! Running means of samples. They are kept in single precision: a file holds them exactly, and a
+//! rendering resumes from it as if it had never stopped.
 
 use super::integrator::{BASE, PixelSample};
 use glam::Vec3;
@@ -9,8 +9,8 @@ use pelage_core::film::tonemap::luminance;
 /// Running means of a pixel, one for each of [`STATE`].
 pub type Means = [f32; STATE.len()];
 
-/// Names of the planes: radiance and alpha of each half of the samples, radiance by what was hit first, the skin's normal, alpha times
-/// depth (cm), and the square of the luminance.
+/// Names of the planes: radiance and alpha of each half of the samples, radiance by what was hit
+/// first, the skin's normal, alpha times depth (cm), and the square of the luminance.
 pub const STATE: [&str; 22] = [
     "half0.R",
     "half0.G",
@@ -76,8 +76,9 @@ impl Accumulator {
         Self { width, height, samples: 0, pixels }
     }
 
-    /// Mean of `(h0 - h1)² / 4 / (m² + 0.01)` over pixels and channels, with the means h0, h1 of the halves and their mean m: an estimate
-    /// of the relative mean squared error of m against the truth, as `pelage compare` measures it. Infinite without samples.
+    /// Mean of `(h0 - h1)² / 4 / (m² + 0.01)` over pixels and channels, with the means h0, h1 of
+    /// the halves and their mean m: an estimate of the relative mean squared error of m against the
+    /// truth, as `pelage compare` measures it. Infinite without samples.
     // [Rousselle2011] sec. 3.1, for the relative error
     pub fn error(&self) -> f64 {
         if self.samples == 0 {
@@ -95,8 +96,9 @@ impl Accumulator {
         self.pixels.iter().map(of_pixel).sum::<f64>() / (3 * self.pixels.len()) as f64
     }
 
-    /// The image: `R G B A`, the planes of [`STATE`], `depth.Z`, and `variance.Y`, the variance of the mean luminance if samples were
-    /// independent (those of a low-discrepancy sequence do slightly better).
+    /// The image: `R G B A`, the planes of [`STATE`], `depth.Z`, and `variance.Y`, the variance of
+    /// the mean luminance if samples were independent (those of a low-discrepancy sequence do
+    /// slightly better).
     pub fn film(&self) -> Film {
         let mut film = Film { width: self.width, height: self.height, planes: Vec::new() };
         let plane = |value: &dyn Fn(&Means) -> f32| self.pixels.iter().map(value).collect::<Vec<f32>>();

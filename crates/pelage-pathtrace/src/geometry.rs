@@ -74,8 +74,9 @@ pub enum Hit {
 
 /// The hair that a ray leaves, if any.
 ///
-/// Such a ray starts on the hair's axis. It can meet the same hair again only where it enters through its side after having left it:
-/// farther away than the radius over the sine of the angle between ray and axis.
+/// Such a ray starts on the hair's axis. It can meet the same hair again only where it enters
+/// through its side after having left it: farther away than the radius over the sine of the angle
+/// between ray and axis.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct RayOrigin {
     /// Range of the hair's points.
@@ -108,10 +109,12 @@ pub struct SkinShading {
 }
 
 impl Geometry {
-    /// Builds the hierarchies over the skin of `world` and over `layers` of hairs, each with its scattering model.
+    /// Builds the hierarchies over the skin of `world` and over `layers` of hairs, each with its
+    /// scattering model.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] where a layer's points, hairs and opacities do not fit each other, or there are 2³¹ points or more.
+    /// [`Error::Unsupported`] where a layer's points, hairs and opacities do not fit each other, or
+    /// there are 2³¹ points or more.
     pub fn new(world: &World, layers: Vec<(Strands, Fibre)>) -> Result<Self> {
         let mut points: Vec<Vec4> = Vec::new();
         let mut kept = Vec::new();
@@ -175,8 +178,8 @@ impl Geometry {
         (std::mem::size_of_val(&self.points[..]) + hairs) as u64 + self.hair.bytes() + self.triangles.bytes()
     }
 
-    /// The nearest thing that a ray meets, and its distance, cm. `word` is the random word that decides which translucent hairs let the
-    /// ray pass.
+    /// The nearest thing that a ray meets, and its distance, cm. `word` is the random word that
+    /// decides which translucent hairs let the ray pass.
     pub fn closest(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> Option<(Hit, f32)> {
         let skin = self.closest_skin(ray, stack);
         let limit = skin.map_or(f32::INFINITY, |(_, t)| t);
@@ -224,8 +227,9 @@ impl Geometry {
 
     /// Where a ray meets the segment that starts at `point`, before `limit`.
     ///
-    /// A ray that starts inside another hair meets that hair at once if its axis is still ahead. So the number of hairs that a ray meets is
-    /// the number of axes that it passes, whether hairs overlap or not.
+    /// A ray that starts inside another hair meets that hair at once if its axis is still ahead. So
+    /// the number of hairs that a ray meets is the number of axes that it passes, whether hairs
+    /// overlap or not.
     #[inline]
     fn intersect_segment(
         &self,
@@ -259,7 +263,8 @@ impl Geometry {
         (self.opaque(point, &cone, &span, ray, t, word)).then_some((t, cone, span))
     }
 
-    /// Normals of the planes that bound a segment: halfway between the axes at a joint, the axis at an end. Not normalised.
+    /// Normals of the planes that bound a segment: halfway between the axes at a joint, the axis at
+    /// an end. Not normalised.
     #[inline]
     fn normals(&self, point: u32, axis: Vec3A) -> [Vec3A; 2] {
         let at = point as usize;
@@ -274,8 +279,8 @@ impl Geometry {
         [joined(at, at.saturating_sub(1)), joined(at + 1, at + 1)]
     }
 
-    /// Whether a hair that may be translucent stops a ray. One random number decides for the whole hair, so that joints do not count
-    /// twice.
+    /// Whether a hair that may be translucent stops a ray. One random number decides for the whole
+    /// hair, so that joints do not count twice.
     #[inline]
     fn opaque(&self, point: u32, cone: &Cone, span: &Span, ray: &Ray, t: f32, word: u32) -> bool {
         let layer = self.layer_of(point);

@@ -1,4 +1,5 @@
-//! Grows the strands of a world without a GPU: the guard hairs that the renderer draws, and the undercoat's volume realised as hairs.
+//! Grows the strands of a world without a GPU: the guard hairs that the renderer draws, and the
+//! undercoat's volume realised as hairs.
 
 use super::guard;
 use super::memory::gib;
@@ -88,7 +89,8 @@ impl Estimate {
     }
 }
 
-/// Estimates what [`grow`] will make, from areas, densities and a sample of the hairs; the time does not depend on their number.
+/// Estimates what [`grow`] will make, from areas, densities and a sample of the hairs; the time
+/// does not depend on their number.
 ///
 /// # Errors
 /// [`Error::Usage`] for options out of range; as [`groom::pack`].
@@ -141,8 +143,8 @@ fn grower<'a>(world: &World, packed: &'a PackedGroom, shell: &'a Shell, options:
     Grower::new(world, packed, shell, options.undercoat_segments, options.patch)
 }
 
-/// Grows the hairs of every layer that the scene renders: guard hairs, then undercoat. The result does not depend on the number of
-/// threads.
+/// Grows the hairs of every layer that the scene renders: guard hairs, then undercoat. The result
+/// does not depend on the number of threads.
 ///
 /// # Errors
 /// [`Error::Usage`] for options out of range; as [`groom::pack`].

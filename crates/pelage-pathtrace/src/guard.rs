@@ -13,7 +13,8 @@ use pelage_fur::shell::Shell;
 use pelage_fur::strands::{position, radius};
 use rayon::prelude::*;
 
-/// All guard hairs whose roots lie in `patch`, triangle by triangle, in the order in which `hair_roots` emits them.
+/// All guard hairs whose roots lie in `patch`, triangle by triangle, in the order in which
+/// `hair_roots` emits them.
 pub(super) fn grow(
     shell: &Shell,
     packed: &PackedGroom,

@@ -1,7 +1,8 @@
 //! Radiance along camera rays: light scattered once at the first hit, or paths of many scatterings.
 //!
-//! At each scattering, lights are sampled directly (next event estimation). Light of the sky is also found by scattered rays that escape;
-//! multiple importance sampling by the balance heuristic joins the two.
+//! At each scattering, lights are sampled directly (next event estimation). Light of the sky is
+//! also found by scattered rays that escape; multiple importance sampling by the balance heuristic
+//! joins the two.
 // [VeachGuibas1995] balance heuristic, [ArvoKirk1990] Russian roulette
 
 use super::{
@@ -25,7 +26,8 @@ use std::f32::consts::{PI, TAU};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Integrator {
-    /// The renderer's light model with exact visibility: each light at the first hit, once scattered.
+    /// The renderer's light model with exact visibility: each light at the first hit, once
+    /// scattered.
     Single,
     /// All orders of scattering.
     Path,
@@ -99,7 +101,8 @@ const ROULETTE_FROM: u32 = 12;
 /// Russian roulette ends no path that has a channel with a larger throughput than this.
 const ROULETTE_BELOW: f32 = 0.1;
 
-/// Distance that keeps rays off the triangle that they leave, relative to the size of the coordinates.
+/// Distance that keeps rays off the triangle that they leave, relative to the size of the
+/// coordinates.
 const SKIN_OFFSET: f32 = 2e-6;
 
 impl Tracer {
@@ -222,7 +225,8 @@ impl Tracer {
         }
     }
 
-    /// Next event estimation: light that comes straight from lights and sky and is scattered back along the ray.
+    /// Next event estimation: light that comes straight from lights and sky and is scattered back
+    /// along the ray.
     fn direct(
         &self,
         vertex: &Vertex<'_>,
@@ -308,7 +312,8 @@ impl Vertex<'_> {
         }
     }
 
-    /// Samples a direction towards the light: the direction, its density (1/sr), and the weight of radiance from there.
+    /// Samples a direction towards the light: the direction, its density (1/sr), and the weight of
+    /// radiance from there.
     fn sample(&self, u: [f32; 4]) -> Option<(Vec3, f32, Vec3)> {
         match self {
             Self::Hair(_, shaded, [x, y, z], back) => {

@@ -1,22 +1,27 @@
 //! The ground truth: the same fur with every hair a strand, path traced on the CPU.
 //!
-//! A world becomes [`Strands`], guard hairs and undercoat alike ([`grow`]); nothing of the prism shell or the optical-depth lattice is
-//! used. [`geometry`] holds skin and hairs: each segment of a hair is a truncated cone ([`curve`]), found through a hierarchy of boxes
-//! ([`bvh`]). [`camera`] makes rays, [`integrator`] follows them, [`light`] samples lights and sky, [`film`] keeps the means, and
-//! [`resume`] reads them back.
+//! A world becomes [`Strands`], guard hairs and undercoat alike ([`grow`]); nothing of the prism
+//! shell or the optical-depth lattice is used. [`geometry`] holds skin and hairs: each segment of a
+//! hair is a truncated cone ([`curve`]), found through a hierarchy of boxes ([`bvh`]). [`camera`]
+//! makes rays, [`integrator`] follows them, [`light`] samples lights and sky, [`film`] keeps the
+//! means, and [`resume`] reads them back.
 //!
 //! # Hairs
 //!
-//! Light meets a hair on its surface and leaves it from its axis, in the direction that its [`pelage_fur::fibre::Fibre`] chooses for the
-//! offset across the hair at which it came. It cannot meet the same hair before it has left it. The scattering is that of the whole
-//! cross section: from where on the hair's girth light leaves is not followed, which matters only at distances of a hair's width.
+//! Light meets a hair on its surface and leaves it from its axis, in the direction that its
+//! [`pelage_fur::fibre::Fibre`] chooses for the offset across the hair at which it came. It cannot
+//! meet the same hair before it has left it. The scattering is that of the whole cross section:
+//! from where on the hair's girth light leaves is not followed, which matters only at distances of
+//! a hair's width.
 //!
-//! The skin is opaque, and Lambertian on its outside. A path that meets it from the inside ends there, black.
+//! The skin is opaque, and Lambertian on its outside. A path that meets it from the inside ends
+//! there, black.
 //!
 //! # Randomness
 //!
-//! Every random number belongs to a pixel, a sample and a dimension. A pixel's samples are added in order of their number. So an image
-//! depends neither on threads nor on passes, and a rendering that was stopped can go on as if it had not been.
+//! Every random number belongs to a pixel, a sample and a dimension. A pixel's samples are added in
+//! order of their number. So an image depends neither on threads nor on passes, and a rendering
+//! that was stopped can go on as if it had not been.
 
 pub mod bvh;
 pub mod camera;
@@ -58,7 +63,8 @@ use std::{
 pub struct Options<'a> {
     /// How light is gathered.
     pub integrator: Integrator,
-    /// Which lights there are. By default those of the renderer for [`Integrator::Single`], the map for [`Integrator::Path`].
+    /// Which lights there are. By default those of the renderer for [`Integrator::Single`], the map
+    /// for [`Integrator::Path`].
     pub lights: Option<LightModel>,
     /// Which hairs grow.
     pub grow: grow::GrowOptions,
@@ -74,7 +80,8 @@ pub struct Options<'a> {
     pub time: Option<f64>,
     /// Stop where [`Accumulator::error`] is at most this.
     pub error: Option<f64>,
-    /// Samples per pixel between two checks of the limits, rounded up to an even number; the image does not depend on it.
+    /// Samples per pixel between two checks of the limits, rounded up to an even number; the image
+    /// does not depend on it.
     pub pass: u32,
     /// Limit of the main memory, bytes.
     pub memory: u64,
@@ -161,11 +168,12 @@ pub fn estimate(world: &World, layers: &[(Strands, Fibre)]) -> u64 {
 }
 
 impl Tracer {
-    /// Prepares the tracing of `layers` of hairs, each with its scattering model, on the skin of `world`.
+    /// Prepares the tracing of `layers` of hairs, each with its scattering model, on the skin of
+    /// `world`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the hairs take more than `options.memory`, or as [`Geometry::new`]; [`Error::Scene`] if the environment's map
-    /// is missing.
+    /// [`Error::Unsupported`] if the hairs take more than `options.memory`, or as
+    /// [`Geometry::new`]; [`Error::Scene`] if the environment's map is missing.
     pub fn new(world: &World, layers: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
         let needed = estimate(world, &layers);
         if needed > options.memory {
@@ -191,8 +199,9 @@ impl Tracer {
         })
     }
 
-    /// Adds samples to `means` until each pixel has `samples` of them. Returns the number of rays, or `None` if `cancel` stopped it: pixels
-    /// then have different numbers of samples, and `means` is of no use.
+    /// Adds samples to `means` until each pixel has `samples` of them. Returns the number of rays,
+    /// or `None` if `cancel` stopped it: pixels then have different numbers of samples, and `means`
+    /// is of no use.
     pub fn add(&self, means: &mut Accumulator, samples: u32, cancel: Option<&AtomicBool>) -> Option<u64> {
         /// Pixels that a thread takes at a time.
         const RUN: usize = 32;
@@ -226,12 +235,14 @@ impl Tracer {
     }
 }
 
-/// Traces `layers` of hairs on the skin of `world` until the samples, the time or the error of `options` is reached. `on_progress` is
-/// called after each pass; an error that it returns ends the rendering.
+/// Traces `layers` of hairs on the skin of `world` until the samples, the time or the error of
+/// `options` is reached. `on_progress` is called after each pass; an error that it returns ends the
+/// rendering.
 ///
 /// # Errors
-/// As [`Tracer::new`]; [`Error::Usage`] if nothing limits the rendering or the means to resume from have another size;
-/// [`Error::Interrupted`] if `cancel` stops it before the first pass is done; those of `on_progress`.
+/// As [`Tracer::new`]; [`Error::Usage`] if nothing limits the rendering or the means to resume from
+/// have another size; [`Error::Interrupted`] if `cancel` stops it before the first pass is done;
+/// those of `on_progress`.
 pub fn render_layers(
     world: &World,
     layers: Vec<(Strands, Fibre)>,
@@ -263,7 +274,8 @@ pub fn render_layers(
         let done = [
             options.samples.map_or(0.0, |_| f64::from(means.samples) / f64::from(most)),
             share(options.time, seconds),
-            // The error falls as one over the number of samples; that of a few samples is uncertain.
+            // The error falls as one over the number of samples; that of a few samples is
+            // uncertain.
             options.error.map_or(0.0, |limit| (limit / error).min(f64::from(means.samples) / 8.0)),
         ]
         .into_iter()
@@ -278,7 +290,8 @@ pub fn render_layers(
             complete = false;
             break;
         }
-        // The first pass shows how long a sample takes, so that later ones do not end long after the time.
+        // The first pass shows how long a sample takes, so that later ones do not end long after
+        // the time.
         let done_here = means.samples - begin;
         let within = options.time.map_or(u32::MAX - 1, |time| {
             let each = seconds / f64::from(done_here.max(1));
@@ -312,7 +325,8 @@ pub fn render_layers(
     })
 }
 
-/// The layers of hairs of `world` that are traced, with their scattering models. Their memory is estimated before they grow.
+/// The layers of hairs of `world` that are traced, with their scattering models. Their memory is
+/// estimated before they grow.
 ///
 /// # Errors
 /// [`Error::Usage`] where they would take more than `options.memory`; as [`grow::grow`].

@@ -14,7 +14,8 @@ use std::f32::consts::{PI, TAU};
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum LightModel {
-    /// Those of the renderer, the environment as directional lights: differences from the renderer then do not come from the lights.
+    /// Those of the renderer, the environment as directional lights: differences from the renderer
+    /// then do not come from the lights.
     Scene,
     /// The environment itself, and the scene's directional lights.
     Map,
@@ -28,8 +29,8 @@ pub struct Sky {
     map: Option<Map>,
 }
 
-/// An environment map with its sampling: first a row is drawn, then a column. Radiance is constant over a texel, so that all samples of
-/// a grey map have the same weight.
+/// An environment map with its sampling: first a row is drawn, then a column. Radiance is constant
+/// over a texel, so that all samples of a grey map have the same weight.
 #[derive(Debug, Clone)]
 struct Map {
     panorama: Panorama,
@@ -109,7 +110,8 @@ impl Sky {
         })
     }
 
-    /// Radiance from a direction (unit, world space), linear RGB, and the density with which [`Sky::sample`] draws it, 1/sr.
+    /// Radiance from a direction (unit, world space), linear RGB, and the density with which
+    /// [`Sky::sample`] draws it, 1/sr.
     pub fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
         let Some(map) = &self.map else { return (self.factor, 0.25 / PI) };
         let [x, y] = map.panorama.texel_of((map.map_from_world * direction).as_dvec3());
@@ -152,7 +154,8 @@ impl Map {
     }
 }
 
-/// The interval of a cumulative distribution in which `u` lies, never an empty one, and the position of `u` in it, 0..1.
+/// The interval of a cumulative distribution in which `u` lies, never an empty one, and the
+/// position of `u` in it, 0..1.
 fn find(sums: &[f32], u: f32) -> (usize, f32) {
     let last = sums.len() - 2;
     let mut i = sums.partition_point(|s| *s <= u).saturating_sub(1).min(last);
@@ -202,7 +205,8 @@ impl Lights {
         })
     }
 
-    /// Picks a directional light in proportion to its luminance: the light and the probability of the pick.
+    /// Picks a directional light in proportion to its luminance: the light and the probability of
+    /// the pick.
     pub fn pick(&self, u: f32) -> Option<(&Light, f32)> {
         if self.directional.is_empty() {
             return None;

@@ -12,7 +12,8 @@ use rayon::prelude::*;
 /// Parts of a segment to expect before hairs have grown.
 pub const EXPECTED_PARTS: u64 = 3;
 
-/// Peak memory, bytes, of `hairs` hairs with `segments` segments in all: while the hierarchy over their `parts` is built.
+/// Peak memory, bytes, of `hairs` hairs with `segments` segments in all: while the hierarchy over
+/// their `parts` is built.
 pub fn of_counts(hairs: u64, segments: u64, parts: u64) -> u64 {
     hairs * std::mem::size_of::<Hair>() as u64
         + (segments + hairs) * 16

@@ -30,7 +30,8 @@ impl Patch {
         nearest.distance(self.centre) <= self.radius + margin
     }
 
-    /// Share of a triangle's area that lies in the patch, from 256 evenly spread points where its border crosses the triangle.
+    /// Share of a triangle's area that lies in the patch, from 256 evenly spread points where its
+    /// border crosses the triangle.
     pub(super) fn share(&self, shell: &Shell, prism: u32) -> f64 {
         const POINTS: u32 = 256;
         if !self.reaches(shell, prism) {

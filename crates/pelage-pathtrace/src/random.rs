@@ -2,13 +2,14 @@
 
 use pelage_fur::random::{hash2, random};
 
-/// Sets of four numbers of a sample that come from the Sobol sequence; later sets are independent random numbers.
+/// Sets of four numbers of a sample that come from the Sobol sequence; later sets are independent
+/// random numbers.
 const SOBOL_SETS: u32 = 24;
 
 /// The numbers of one sample, four at a time.
 ///
-/// Each half of the samples consists of the points of an Owen-scrambled Sobol sequence of its own: the halves are independent of each other,
-/// and each is evenly spread.
+/// Each half of the samples consists of the points of an Owen-scrambled Sobol sequence of its own:
+/// the halves are independent of each other, and each is evenly spread.
 // [Burley2020]
 #[derive(Debug, Clone, Copy)]
 pub struct Numbers {
@@ -18,7 +19,8 @@ pub struct Numbers {
 }
 
 impl Numbers {
-    /// The numbers of sample `index` of a pixel. Even samples are the first half, odd ones the second.
+    /// The numbers of sample `index` of a pixel. Even samples are the first half, odd ones the
+    /// second.
     pub fn new(seed: u32, pixel: u32, index: u32) -> Self {
         // The sequence has 2^16 points; then another begins.
         let sequence = (index & 1) | ((index >> 17) << 1);

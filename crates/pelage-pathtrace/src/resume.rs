@@ -16,7 +16,8 @@ pub struct Identity {
 impl Identity {
     /// Identity of a rendering of `world` with `options`.
     ///
-    /// Parts of the scene that change no sample do not count: samples per pixel, memory budget, tile size, background and tone mapping.
+    /// Parts of the scene that change no sample do not count: samples per pixel, memory budget,
+    /// tile size, background and tone mapping.
     pub fn new(world: &World, options: &Options<'_>) -> Self {
         let mut scene = world.scene.clone();
         let plain = pelage_core::Scene::default();
@@ -46,7 +47,8 @@ impl Identity {
         Self { entries, metadata }
     }
 
-    /// The metadata of an image with `samples` samples per pixel. Nothing in it differs between runs.
+    /// The metadata of an image with `samples` samples per pixel. Nothing in it differs between
+    /// runs.
     pub fn metadata(&self, samples: u32) -> Metadata {
         let all = self.entries.iter().fold(self.metadata.clone(), |m, (key, value)| m.with(key, value));
         all.with("samples", samples.to_string())
@@ -55,7 +57,8 @@ impl Identity {
     /// Reads the means of an earlier rendering.
     ///
     /// # Errors
-    /// [`Error::Io`] if the file cannot be read; [`Error::Usage`] with all entries that differ, another size, or if planes are missing.
+    /// [`Error::Io`] if the file cannot be read; [`Error::Usage`] with all entries that differ,
+    /// another size, or if planes are missing.
     pub fn read(&self, path: &Path, size: [u32; 2]) -> Result<Accumulator> {
         let found = io::read_metadata(path)?;
         let mut differing: Vec<String> = self

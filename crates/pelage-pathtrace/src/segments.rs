@@ -1,4 +1,5 @@
-//! Segments of hairs as a hierarchy takes them: checked, with their ends marked, cut into parts that boxes hold closely.
+//! Segments of hairs as a hierarchy takes them: checked, with their ends marked, cut into parts
+//! that boxes hold closely.
 
 use super::{
     bvh::{Bounds, Part},
@@ -11,7 +12,8 @@ use pelage_core::{Error, Result};
 /// Most parts that a segment is cut into where it lies oblique to the axes.
 const MOST_PARTS: f32 = 4.0;
 
-/// Cosine of the sharpest bend that gets a mitred joint, a right angle; hairs that bend more are cut square there.
+/// Cosine of the sharpest bend that gets a mitred joint, a right angle; hairs that bend more are
+/// cut square there.
 const SHARPEST: f32 = 0.0;
 
 /// Whether points, hairs and opacities fit each other.
@@ -38,8 +40,8 @@ pub(super) fn check(strands: &Strands) -> Result<()> {
     )))
 }
 
-/// Makes the radius negative where a point is no joint between two segments, and appends the parts of the segments that are present.
-/// `first` is the number of the first point.
+/// Makes the radius negative where a point is no joint between two segments, and appends the parts
+/// of the segments that are present. `first` is the number of the first point.
 pub(super) fn mark_ends(strands: &Strands, points: &mut [Vec4], first: u32, parts: &mut Vec<Part>) {
     let stride = strands.segments + 1;
     parts.reserve(points.len());
@@ -63,7 +65,8 @@ pub(super) fn mark_ends(strands: &Strands, points: &mut [Vec4], first: u32, part
     }
 }
 
-/// Number of boxes that hold a segment closely: one where it lies along an axis, more where it lies oblique to them.
+/// Number of boxes that hold a segment closely: one where it lies along an axis, more where it lies
+/// oblique to them.
 pub(super) fn part_count(cone: &Cone) -> u16 {
     let across = (cone.axis.abs() * cone.length).to_array();
     let [a, b, c] = across;

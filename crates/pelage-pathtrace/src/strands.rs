@@ -15,10 +15,12 @@ pub struct Strands {
     pub points: Vec<Vec4>,
     /// One for each strand.
     pub hairs: Vec<Hair>,
-    /// Opacity at each point of a strand, 0..1, the same for all strands; empty where all are opaque.
+    /// Opacity at each point of a strand, 0..1, the same for all strands; empty where all are
+    /// opaque.
     pub opacity: Vec<f32>,
-    /// Where between root and tip the colour changes from the one to the other, and over what part of the length, as
-    /// [`pelage_core::scene::Guard::color_transition`]. That of the undercoat changes evenly from root to tip.
+    /// Where between root and tip the colour changes from the one to the other, and over what part
+    /// of the length, as [`pelage_core::scene::Guard::color_transition`]. That of the undercoat
+    /// changes evenly from root to tip.
     pub color_transition: [f32; 2],
 }
 

@@ -1,8 +1,10 @@
 //! The undercoat's volume realised as hairs.
 //!
-//! Roots are a Poisson process, because a volume attenuates exponentially, as independently placed hairs do. Each hair follows the
-//! volume's tangents up through the prism shell. It has a random threshold of its own, and its segments are present where the volume's
-//! density is above it. So the mean number of hairs at a place is the volume's density there, and hairs end where the density falls.
+//! Roots are a Poisson process, because a volume attenuates exponentially, as independently placed
+//! hairs do. Each hair follows the volume's tangents up through the prism shell. It has a random
+//! threshold of its own, and its segments are present where the volume's density is above it. So
+//! the mean number of hairs at a place is the volume's density there, and hairs end where the
+//! density falls.
 
 use super::patch::Patch;
 use super::strands::{Hair, Strands};
@@ -22,14 +24,16 @@ use std::f32::consts::PI;
 /// Hairs that a thread grows at a time.
 const CHUNK: u32 = 2048;
 
-/// Smallest cosine between a hair and the shell's direction: a hair that leaned more would hardly climb.
+/// Smallest cosine between a hair and the shell's direction: a hair that leaned more would hardly
+/// climb.
 const STEEPEST: f32 = 0.3;
 
 /// Grows the undercoat of a prism shell.
 pub(super) struct Grower<'a> {
     shell: &'a Shell,
     maps: Maps<'a>,
-    /// The volume's parameters without the taper, which changes the hairs' diameter, not their number.
+    /// The volume's parameters without the taper, which changes the hairs' diameter, not their
+    /// number.
     fur: UndercoatParameters,
     noise: Field,
     /// Largest density of the volume relative to its mean.
@@ -47,9 +51,11 @@ struct HairVariation {
     threshold: f32,
     /// Position in each segment at which the density is evaluated, 0..1.
     phase: f32,
-    /// Displacement of the density's lookup at full growth, in units of the jitter, each coordinate in -1..1.
+    /// Displacement of the density's lookup at full growth, in units of the jitter, each coordinate
+    /// in -1..1.
     displacement: Vec3,
-    /// Two orthogonal unit vectors: from root to tip, the jitter of the tangent runs through half of their great circle.
+    /// Two orthogonal unit vectors: from root to tip, the jitter of the tangent runs through half
+    /// of their great circle.
     jitter_plane: [Vec3; 2],
 }
 
@@ -67,7 +73,8 @@ impl HairVariation {
         }
     }
 
-    /// Jitter of the tangent at height t, unit: uniform on the sphere at each height, smooth along the hair.
+    /// Jitter of the tangent at height t, unit: uniform on the sphere at each height, smooth along
+    /// the hair.
     fn tangent_jitter(&self, t: f32) -> Vec3 {
         let (sin, cos) = (PI * t).sin_cos();
         cos * self.jitter_plane[0] + sin * self.jitter_plane[1]
@@ -80,8 +87,8 @@ struct Walker {
     place: Place,
     /// Position, cm.
     x: Vec3,
-    /// Where the hair has left the shell over its border: `place` is the last one inside, and the point of the noise's domain has moved on by
-    /// this.
+    /// Where the hair has left the shell over its border: `place` is the last one inside, and the
+    /// point of the noise's domain has moved on by this.
     beyond: Option<Vec3>,
 }
 
@@ -99,7 +106,8 @@ impl<'a> Grower<'a> {
             maps: Maps { groom: &packed.groom, texels: &packed.texels },
             fur: UndercoatParameters { diameter_ratio: 1.0, ..fur },
             noise: Field::new(fur.seed),
-            // Largest sum of 0.5 clumps and 0.6 locks: the noise reaches 0.99 in the plane and 0.81 in space.
+            // Largest sum of 0.5 clumps and 0.6 locks: the noise reaches 0.99 in the plane and 0.81
+            // in space.
             densest: 1.0 + fur.noise_contrast * if fur.noise_domain == 1 { 1.1 } else { 0.9 },
             diameter: world.scene.undercoat.diameter.map(|um| um * 1e-4),
             segments,
@@ -117,7 +125,8 @@ impl<'a> Grower<'a> {
         Undercoat { parameters: &self.fur, noise: self.noise, shell: self.shell, cells: &[] }
     }
 
-    /// Number of candidates on a triangle, Poisson distributed: as many exponential gaps as fit into the mean.
+    /// Number of candidates on a triangle, Poisson distributed: as many exponential gaps as fit
+    /// into the mean.
     fn candidates(&self, prism: u32) -> u32 {
         if self.patch.is_some_and(|p| !p.reaches(self.shell, prism)) {
             return 0;
@@ -159,7 +168,8 @@ impl<'a> Grower<'a> {
         Strands::joined(Layer::Undercoat, self.segments as usize, grown)
     }
 
-    /// Grows the k-th candidate of a triangle; `None` outside the patch or where no segment is present.
+    /// Grows the k-th candidate of a triangle; `None` outside the patch or where no segment is
+    /// present.
     fn hair(&self, prism: u32, k: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
         let seed = hash2(hash2(self.seed, prism), k);
         let r = random(seed, 0).sqrt();
@@ -173,8 +183,8 @@ impl<'a> Grower<'a> {
         self.hair_at(prism, lambda, seed, points)
     }
 
-    /// Grows the hair with its root at the barycentric coordinates `lambda` and appends its points to `points`; `None` where no segment is
-    /// present.
+    /// Grows the hair with its root at the barycentric coordinates `lambda` and appends its points
+    /// to `points`; `None` where no segment is present.
     pub fn hair_at(&self, prism: u32, lambda: Vec3, seed: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
         let variation = HairVariation::of(seed);
         let at = skin_point(self.shell, prism, lambda);
@@ -197,7 +207,8 @@ impl<'a> Grower<'a> {
             let along = self.direction(&half.place, t + 0.5 * dt, &variation);
             let end = if k + 1 == self.segments { 1.0 } else { t + dt };
             let next = self.climb(&walker, t, end, along);
-            // Evaluated at another position for each hair, so that the mean over hairs is that of the segment.
+            // Evaluated at another position for each hair, so that the mean over hairs is that of
+            // the segment.
             let t_read = t + variation.phase * dt;
             let read = self.climb(&walker, t, t_read, along);
             if self.density(&volume, &read, t_read, &variation) > threshold {
@@ -232,8 +243,9 @@ impl<'a> Grower<'a> {
         volume.clump_density(p, p + self.fur.uv_jitter * growth * variation.displacement, t)
     }
 
-    /// Direction of a hair, scaled so that its part along the shell's direction is 1: the volume's tangent, but with a jitter that is smooth
-    /// along each hair, where the volume draws one for each cell.
+    /// Direction of a hair, scaled so that its part along the shell's direction is 1: the volume's
+    /// tangent, but with a jitter that is smooth along each hair, where the volume draws one for
+    /// each cell.
     fn direction(&self, place: &Place, t: f32, variation: &HairVariation) -> Vec3 {
         let up = place.extrusion(place.lambda).normalize_or(Vec3::Y);
         let growth = t.powf(self.fur.jitter_exponent);
@@ -242,7 +254,8 @@ impl<'a> Grower<'a> {
             + self.fur.tangent_jitter * growth * variation.tangent_jitter(t))
         .normalize_or(up);
         let rise = tangent.dot(up);
-        // DEVIATION: the volume's tangents may lie flat or point down; a hair that did would never reach the top.
+        // DEVIATION: the volume's tangents may lie flat or point down; a hair that did would never
+        // reach the top.
         up + (tangent - rise * up) / rise.max(STEEPEST)
     }
 
@@ -264,7 +277,8 @@ impl<'a> Grower<'a> {
         let least = 0.2 / up.length();
         let step = direction * ((end - t) / if rate > least { rate } else { least });
         place.t = end;
-        // The height is known: no iterations are needed, only the barycentric coordinates, from which the point then follows.
+        // The height is known: no iterations are needed, only the barycentric coordinates, from
+        // which the point then follows.
         match self.shell.locate(place, from.x + step, direction, 0) {
             Located::Inside => {
                 walker.x = place.point(end, place.lambda);

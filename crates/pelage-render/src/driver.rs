@@ -1,4 +1,5 @@
-//! Renders a [`World`] to a [`Film`]; keeps the finished tiles when the device is lost, and continues on a new one.
+//! Renders a [`World`] to a [`Film`]; keeps the finished tiles when the device is lost, and
+//! continues on a new one.
 
 use crate::options::RenderOptions;
 use crate::passes;
@@ -23,7 +24,8 @@ pub struct Frame {
     pub stats: Stats,
     /// False if `cancel` or a `fault` ended it early; unfinished tiles are empty.
     pub complete: bool,
-    /// The loss of the device that ended the rendering; the film holds the tiles finished before it.
+    /// The loss of the device that ended the rendering; the film holds the tiles finished before
+    /// it.
     pub fault: Option<Error>,
 }
 
@@ -38,7 +40,8 @@ pub struct Rendering {
     pub stats: Stats,
     /// Number of tiles finished.
     pub done: usize,
-    /// Number of tiles; 0 before the first device has chosen it. A second device with the same limits chooses the same.
+    /// Number of tiles; 0 before the first device has chosen it. A second device with the same
+    /// limits chooses the same.
     total: usize,
 }
 
@@ -47,8 +50,8 @@ pub type Run = dyn Fn(&mut Rendering, &Gpu, &World, &RenderOptions<'_>) -> Resul
 
 /// Renders `world` by `run` on a device that `open` opens.
 ///
-/// If the device is lost, it is opened once more and rendering continues with the tile that was lost. If that fails
-/// too, the frame holds the finished tiles and the fault.
+/// If the device is lost, it is opened once more and rendering continues with the tile that was
+/// lost. If that fails too, the frame holds the finished tiles and the fault.
 ///
 /// # Errors
 /// [`Error::DeviceLost`] before the first tile is finished, and those of `open` and `run`.
@@ -70,7 +73,8 @@ pub fn drive(
     rendering.end(outcome)
 }
 
-/// Renders `world` by `run` on an open device; if that is lost, the frame holds the finished tiles and the fault.
+/// Renders `world` by `run` on an open device; if that is lost, the frame holds the finished tiles
+/// and the fault.
 ///
 /// # Errors
 /// As [`drive`].
@@ -83,7 +87,8 @@ pub fn drive_on(gpu: &Gpu, world: &World, options: &RenderOptions<'_>, run: &Run
 /// Renders hybrid fur: the [`Run`] for every `render.fur` except `shells`.
 ///
 /// # Errors
-/// [`Error::OutOfMemory`] if even the smallest tile does not fit, [`Error::DeviceLost`], [`Error::Gpu`].
+/// [`Error::OutOfMemory`] if even the smallest tile does not fit, [`Error::DeviceLost`],
+/// [`Error::Gpu`].
 pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
     rendering.run_hybrid(gpu, world, options)
 }
@@ -143,7 +148,8 @@ impl Rendering {
         fill_stats(&mut self.stats, gpu, &self.timings);
     }
 
-    /// The frame of a finished, cancelled or failed rendering. A lost device is an error only if no tile was finished.
+    /// The frame of a finished, cancelled or failed rendering. A lost device is an error only if no
+    /// tile was finished.
     fn end(mut self, outcome: Result<bool>) -> Result<Frame> {
         let (complete, fault) = match outcome {
             Ok(complete) => (complete, None),

@@ -12,7 +12,8 @@ pub struct Job {
 }
 
 impl Job {
-    /// Tiles with edges of `edge` pixels that cover a film of `size` pixels, row by row, cut to `crop` (x0 x1 y0 y1 in 0..1).
+    /// Tiles with edges of `edge` pixels that cover a film of `size` pixels, row by row, cut to
+    /// `crop` (x0 x1 y0 y1 in 0..1).
     pub fn grid(size: [u32; 2], edge: u32, crop: Option<[f32; 4]>) -> Vec<Self> {
         let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
         let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;

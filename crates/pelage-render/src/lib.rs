@@ -1,4 +1,5 @@
-//! The hybrid renderer: passes, preparation, tiles, the CPU twins of the passes, and a probe that reads every step back.
+//! The hybrid renderer: passes, preparation, tiles, the CPU twins of the passes, and a probe that
+//! reads every step back.
 
 pub mod driver;
 pub mod job;

@@ -11,9 +11,11 @@ pub struct RenderOptions<'a> {
     pub aovs: bool,
     /// Called at the start, before each tile, and at the end.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// Seconds since the first frame of the animation, for the forces that bend shells and fins. 0: at rest.
+    /// Seconds since the first frame of the animation, for the forces that bend shells and fins. 0:
+    /// at rest.
     pub time: f64,
-    /// When it becomes true, rendering stops after the current pass over a tile and returns the finished tiles.
+    /// When it becomes true, rendering stops after the current pass over a tile and returns the
+    /// finished tiles.
     pub cancel: Option<&'a AtomicBool>,
 }
 

@@ -1,7 +1,8 @@
-//! The passes. Each has a stem, which names this module's file, the WGSL shader, the CPU twin and the test.
+//! The passes. Each has a stem, which names this module's file, the WGSL shader, the CPU twin and
+//! the test.
 //!
-//! `record` methods list the names that must be in scope when they are called, that is the bindings of the kernels that the
-//! method does not create itself.
+//! `record` methods list the names that must be in scope when they are called, that is the bindings
+//! of the kernels that the method does not create itself.
 //!
 //! | step of the paper | passes |
 //! |---|---|
@@ -42,7 +43,8 @@ use std::sync::Arc;
 pub struct Variant {
     /// Whether densities are stored or evaluated while marching.
     pub stored: bool,
-    /// Whether optical depths towards key lights are found by a nested march at every step instead of by lookup.
+    /// Whether optical depths towards key lights are found by a nested march at every step instead
+    /// of by lookup.
     pub nested: bool,
     /// Fibre model of the guard hairs, see [`pelage_fur::fibre::Fibre::number`].
     pub guard: u32,

@@ -1,5 +1,5 @@
-//! Placement of samples: a regular grid in each pixel, and several passes over the image with displaced grids or lens points where
-//! one grid does not hold them all.
+//! Placement of samples: a regular grid in each pixel, and several passes over the image with
+//! displaced grids or lens points where one grid does not hold them all.
 
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
@@ -14,7 +14,8 @@ use pelage_fur::random::r2;
 pub struct SamplePlan {
     /// Samples along a pixel's edge in one pass over the image, 1 to 8.
     pub grid: u32,
-    /// Passes over the image: displacement of the grid (samples) and point on the lens (lens diameters).
+    /// Passes over the image: displacement of the grid (samples) and point on the lens (lens
+    /// diameters).
     pub passes: Vec<(Vec2, Vec2)>,
     /// Size of the film in samples of one pass.
     pub film: [u32; 2],
@@ -26,7 +27,9 @@ pub struct SamplePlan {
 const MAX_TAPS: u32 = 128;
 
 impl SamplePlan {
-    /// The plan for `film.spp` of a scene: the grid is the largest square of up to 8 by 8 samples that divides it (smaller if the filter's weights exceed their table, 1 by 1 with a lens), the quotient the number of passes.
+    /// The plan for `film.spp` of a scene: the grid is the largest square of up to 8 by 8 samples
+    /// that divides it (smaller if the filter's weights exceed their table, 1 by 1 with a lens),
+    /// the quotient the number of passes.
     // [Roberts2018]
     pub fn new(scene: &Scene) -> Self {
         let spp = scene.film.spp.max(1);
@@ -55,7 +58,8 @@ impl SamplePlan {
         }
     }
 
-    /// The uniform `reconstruction` of the film pass, for a tile of `pixels` pixels in pass `pass` over the image.
+    /// The uniform `reconstruction` of the film pass, for a tile of `pixels` pixels in pass `pass`
+    /// over the image.
     pub fn reconstruction(
         &self,
         scene: &Scene,
@@ -84,8 +88,8 @@ impl SamplePlan {
         camera::frame(&scene.camera, self.film, lens, jitter, scene.render.seed)
     }
 
-    /// Diameter of the circle of confusion, in samples, at the nearest or farthest point of the fur, whichever is larger. 0 if no pass
-    /// samples the lens.
+    /// Diameter of the circle of confusion, in samples, at the nearest or farthest point of the
+    /// fur, whichever is larger. 0 if no pass samples the lens.
     // [Potmesil1981]
     pub fn blur_margin(&self, world: &World) -> f32 {
         let camera = &world.scene.camera;
@@ -115,8 +119,8 @@ impl SamplePlan {
             .fold(0.0, f32::max)
     }
 
-    /// The filter's weights along an axis, normalised and packed four per vector, and their number. `jitter`: displacement of the grid,
-    /// samples.
+    /// The filter's weights along an axis, normalised and packed four per vector, and their number.
+    /// `jitter`: displacement of the grid, samples.
     fn weights(&self, scene: &Scene, jitter: f32) -> ([[f32; 4]; 32], u32) {
         let taps = self.grid + 2 * self.reach;
         let radius = radius(scene);

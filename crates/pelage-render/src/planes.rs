@@ -3,8 +3,8 @@
 use crate::job::Job;
 use pelage_core::film::{Film, Plane};
 
-/// Copies the pixels of a tile, plane by plane as the film pass writes them, into the film. Depth becomes the opacity-weighted mean,
-/// infinite where the weight is at most 1e-4.
+/// Copies the pixels of a tile, plane by plane as the film pass writes them, into the film. Depth
+/// becomes the opacity-weighted mean, infinite where the weight is at most 1e-4.
 pub fn write_tile(job: &Job, pixels: &[f32], film: &mut Film) {
     let width = film.width as usize;
     let [w, h] = job.size.map(|s| s as usize);
@@ -24,8 +24,8 @@ pub fn write_tile(job: &Job, pixels: &[f32], film: &mut Film) {
     }
 }
 
-/// Names of the planes in the order in which the film pass writes them, and whether they are written in full precision. The pass writes
-/// a 20th plane, the weight of the depth.
+/// Names of the planes in the order in which the film pass writes them, and whether they are
+/// written in full precision. The pass writes a 20th plane, the weight of the depth.
 pub const PLANES: [(&str, bool); 19] = [
     ("R", false),
     ("G", false),

@@ -1,4 +1,5 @@
-//! Steps 1 to 3, which do not depend on the tile: shell, volume, light and, if they fit the budget, strands.
+//! Steps 1 to 3, which do not depend on the tile: shell, volume, light and, if they fit the budget,
+//! strands.
 
 mod lattice;
 mod light;
@@ -48,7 +49,8 @@ pub struct Prepared<'g> {
     /// What the passes are compiled for.
     pub variant: Variant,
     buffers: Buffers,
-    /// `undercoat_fibre` for kernels that read its table in `maps_and_tables`; all others read it in `node_light`.
+    /// `undercoat_fibre` for kernels that read its table in `maps_and_tables`; all others read it
+    /// in `node_light`.
     rows_fibre: Buffer,
     tables: Tables,
 }
@@ -62,7 +64,8 @@ struct Volume {
 }
 
 impl Volume {
-    /// Stores the media if the scene asks for it, or by default if they fit one binding and two fifths of the memory budget.
+    /// Stores the media if the scene asks for it, or by default if they fit one binding and two
+    /// fifths of the memory budget.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if they must be stored and exceed one binding.
@@ -219,7 +222,8 @@ impl<'g> Prepared<'g> {
         Ok(())
     }
 
-    /// Step 2: the media of the subelements, if they are stored, and the attributes of the lattice's columns.
+    /// Step 2: the media of the subelements, if they are stored, and the attributes of the
+    /// lattice's columns.
     fn volume(&mut self, world: &World, volume: &Volume, timings: &mut Timings) -> Result<()> {
         let gpu = self.gpu;
         self.buffers.push(if volume.stored {
@@ -259,7 +263,8 @@ impl<'g> Prepared<'g> {
         self.tables.bind(self.buffers.add_to(&Scope::default()))
     }
 
-    /// [`Prepared::scope`] for `shellfin_rows`, which reads the undercoat's scattering table in `maps_and_tables`.
+    /// [`Prepared::scope`] for `shellfin_rows`, which reads the undercoat's scattering table in
+    /// `maps_and_tables`.
     pub fn rows_scope(&self) -> Scope<'_> {
         self.scope().with(&[&self.rows_fibre])
     }

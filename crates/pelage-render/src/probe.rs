@@ -1,4 +1,5 @@
-//! Runs the passes step by step and reads their results back, to compare with the CPU twins and to make figures of single steps.
+//! Runs the passes step by step and reads their results back, to compare with the CPU twins and to
+//! make figures of single steps.
 
 use crate::prepare::Prepared;
 use crate::tile_buffers::{TileBuffers, list_bytes};
@@ -125,7 +126,8 @@ impl<'g> Deref for Probe<'g> {
 }
 
 impl<'g> Probe<'g> {
-    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity` fragments.
+    /// A tile of `size` samples at `origin` of a film of `film` samples, with room for `capacity`
+    /// fragments.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].

@@ -1,5 +1,5 @@
-//! Texts of all shaders: compiled into a release, read from disk in development, so that a changed shader needs no
-//! compilation.
+//! Texts of all shaders: compiled into a release, read from disk in development, so that a changed
+//! shader needs no compilation.
 
 use pelage_core::Result;
 use pelage_gpu::Gpu;

@@ -9,11 +9,12 @@ use pelage_core::{Error, Result, World};
 use pelage_fur::{camera, groom};
 use pelage_gpu::recorder::Timings;
 
-/// Grows the guard hairs of `world` with the passes that render them, and reads them back: points in world space (cm), and at
-/// each the diameter (cm) and 1 - opacity.
+/// Grows the guard hairs of `world` with the passes that render them, and reads them back: points
+/// in world space (cm), and at each the diameter (cm) and 1 - opacity.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`crate::open`] and [`Prepared::new`].
+/// [`Error::Unsupported`] if the scene renders no guard hairs; else as [`crate::open`] and
+/// [`Prepared::new`].
 pub fn strands(world: &World) -> Result<HairFile> {
     let scene = &world.scene;
     if !groom::has_guard(scene) {
@@ -50,7 +51,8 @@ fn append(hair: &mut HairFile, prepared: &Prepared<'_>, strands: &Strands) -> Re
     })?;
     let points = u64::from(strands.count) * (u64::from(segments) + 1);
     let buffer = strands.buffer("strand_vertices")?;
-    // Packing of shaders/shared/strands.wgsl: position; radius (units of 0.01 cm) and opacity as halves.
+    // Packing of shaders/shared/strands.wgsl: position; radius (units of 0.01 cm) and opacity as
+    // halves.
     let vertices: Vec<[u32; 4]> = prepared.gpu.read(buffer, points * 16)?;
     hair.segments.extend(std::iter::repeat_n(segments, strands.count as usize));
     for [x, y, z, packed] in vertices {

@@ -1,4 +1,5 @@
-//! Steps 4 to 7, tile by tile. A tile whose fragments do not fit the lists is split into four and rendered again; nothing is dropped.
+//! Steps 4 to 7, tile by tile. A tile whose fragments do not fit the lists is split into four and
+//! rendered again; nothing is dropped.
 
 mod bins;
 mod size;
@@ -38,7 +39,8 @@ pub struct Tiles<'a> {
     pub stats: Stats,
 }
 
-/// Result of rendering a tile. Fragments beyond the capacity were not stored, and the pixels are then missing.
+/// Result of rendering a tile. Fragments beyond the capacity were not stored, and the pixels are
+/// then missing.
 struct Outcome {
     fragments: u64,
     capacity: u64,
@@ -101,7 +103,8 @@ impl<'a> Tiles<'a> {
     /// Renders a tile into `film`, in smaller parts if its fragments do not fit the lists.
     ///
     /// # Errors
-    /// [`Error::OutOfMemory`] if the smallest part does not fit, [`Error::Interrupted`] if cancelled, [`Error::Gpu`], [`Error::DeviceLost`].
+    /// [`Error::OutOfMemory`] if the smallest part does not fit, [`Error::Interrupted`] if
+    /// cancelled, [`Error::Gpu`], [`Error::DeviceLost`].
     pub fn render(&mut self, job: &Job, film: &mut Film, timings: &mut Timings) -> Result<()> {
         let outcome = self.attempt(job, timings)?;
         self.stats.tiles += 1;

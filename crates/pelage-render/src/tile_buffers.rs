@@ -15,7 +15,8 @@ pub const FRAGMENT_BYTES: u64 = 4 * NODE_WORDS as u64;
 /// Bytes per sample besides fragments: base record, list head, film sample, triangle number, depth.
 pub const SAMPLE_BYTES: u64 = 4 * (BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1) as u64;
 
-/// The buffers `base_records`, `fragment_lists`, `samples` and `march_counters`, and the targets of the raster passes.
+/// The buffers `base_records`, `fragment_lists`, `samples` and `march_counters`, and the targets of
+/// the raster passes.
 pub struct TileBuffers {
     buffers: Buffers,
     ids: wgpu::Texture,
@@ -28,7 +29,8 @@ pub fn list_bytes(samples: u64, fragments: u64) -> u64 {
 }
 
 impl TileBuffers {
-    /// Allocates for tiles of up to `size` samples. `list_bytes`: size of `fragment_lists` (see [`list_bytes()`]).
+    /// Allocates for tiles of up to `size` samples. `list_bytes`: size of `fragment_lists` (see
+    /// [`list_bytes()`]).
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].

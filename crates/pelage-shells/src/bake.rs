@@ -1,4 +1,5 @@
-//! Bakes textures of hair for shells and fins, from a groom, a particle system or dots, and writes them for real-time clients.
+//! Bakes textures of hair for shells and fins, from a groom, a particle system or dots, and writes
+//! them for real-time clients.
 
 pub mod compress;
 mod dots;
@@ -39,18 +40,28 @@ pub struct Texture {
     pub width: u32,
     /// Texels along v (upwards in a fin).
     pub height: u32,
-    /// Texels, row by row with v = 0 first; texel (i, j) is centred on ((i + 0.5) / width, (j + 0.5) / height).
+    /// Texels, row by row with v = 0 first; texel (i, j) is centred on ((i + 0.5) / width, (j +
+    /// 0.5) / height).
     pub texels: Vec<[f32; 4]>,
 }
 
 /// All textures of a fur.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FurTextures {
-    /// The layers, innermost first, all of one size. Layer `l` represents the slab of fur from `l` to `l + 1` spacings above the skin and is drawn in its middle. Coverage is 1 − exp(−τ), as seen along the skin's normal with every hair perpendicular to the view. For particles τ is the hairs' length x diameter in the texel's column over the texel's area. For a groom (`hybrid`) τ is raised where a hair is deep in few texels, so that a single hair covers its length x diameter; then the mean transmittance of a layer is that of the fur, exp(−n d spacing), for any size of texels ([`Keep`]). Dots are opaque. The innermost layer is not made opaque; the skin lies below it.
+    /// The layers, innermost first, all of one size. Layer `l` represents the slab of fur from `l`
+    /// to `l + 1` spacings above the skin and is drawn in its middle. Coverage is 1 − exp(−τ), as
+    /// seen along the skin's normal with every hair perpendicular to the view. For particles τ is
+    /// the hairs' length x diameter in the texel's column over the texel's area. For a groom
+    /// (`hybrid`) τ is raised where a hair is deep in few texels, so that a single hair covers its
+    /// length x diameter; then the mean transmittance of a layer is that of the fur, exp(−n d
+    /// spacing), for any size of texels ([`Keep`]). Dots are opaque. The innermost layer is not
+    /// made opaque; the skin lies below it.
     pub layers: Vec<Texture>,
-    /// Contribution of the guard hairs to the premultiplied colour and the coverage of each layer. Empty if the source has only one kind of hair.
+    /// Contribution of the guard hairs to the premultiplied colour and the coverage of each layer.
+    /// Empty if the source has only one kind of hair.
     pub guard: Vec<Texture>,
-    /// The fin: coverage of a slab of hair seen from the side. u runs along the edge and wraps around; v runs from the skin to the tips and does not.
+    /// The fin: coverage of a slab of hair seen from the side. u runs along the edge and wraps
+    /// around; v runs from the skin to the tips and does not.
     pub fin: Texture,
     /// Contribution of the guard hairs to the fin; 0 x 0 if `guard` is empty.
     pub fin_guard: Texture,
@@ -58,15 +69,21 @@ pub struct FurTextures {
     pub manifest: Manifest,
 }
 
-/// Largest number of texels in all layers: 2 GiB with four bytes per channel, twice that with the guard hairs' contribution.
+/// Largest number of texels in all layers: 2 GiB with four bytes per channel, twice that with the
+/// guard hairs' contribution.
 const MOST_TEXELS: u64 = 1 << 27;
 
-/// Bakes the textures that `world.scene.bake` describes. The same scene and seed give the same bytes for any number of threads. All textures wrap around, except along v of the fin.
+/// Bakes the textures that `world.scene.bake` describes. The same scene and seed give the same
+/// bytes for any number of threads. All textures wrap around, except along v of the fin.
 ///
-/// `hybrid` grows the scene's groom on the torus, upright: the renderer adds comb, lean and gravity. Mapped parameters are replaced by their means over the skin, each separately. Hair above the height is left out; if this is more than a hundredth of the length x diameter, a warning is logged.
+/// `hybrid` grows the scene's groom on the torus, upright: the renderer adds comb, lean and
+/// gravity. Mapped parameters are replaced by their means over the skin, each separately. Hair
+/// above the height is left out; if this is more than a hundredth of the length x diameter, a
+/// warning is logged.
 ///
 /// # Errors
-/// [`Error::Scene`] if there is no hair, if sizes are not positive, or if the layers would be too large.
+/// [`Error::Scene`] if there is no hair, if sizes are not positive, or if the layers would be too
+/// large.
 pub fn bake(world: &World) -> Result<FurTextures> {
     let scene = &world.scene;
     let spec = &scene.bake;
@@ -129,7 +146,8 @@ pub fn particle_hairs(world: &World) -> (Vec<Hair>, [f32; 2]) {
     ((0..fur.count()).map(|i| fur.hair(i)).collect(), [patch, height])
 }
 
-/// Diameter of a skin, cm: twice the distance from the centre of its bounding box to its farthest vertex; 0 without vertices.
+/// Diameter of a skin, cm: twice the distance from the centre of its bounding box to its farthest
+/// vertex; 0 without vertices.
 pub fn diameter(skin: &Skin) -> f32 {
     let (low, high) = skin.bounds();
     let middle = 0.5 * (low + high);

@@ -1,6 +1,8 @@
 //! Hair as a damped spring: the bend of the tips by gravity, wind and the motion of the object.
 //!
-//! b'' = −(k/m) b − (c/m) b' + a, where b is the displacement of the tips in the object's frame (cm) and a the sum of gravity, wind and the negative of the object's acceleration. A client displaces the hair at height h (0..1) by b h³.
+//! b'' = −(k/m) b − (c/m) b' + a, where b is the displacement of the tips in the object's frame
+//! (cm) and a the sum of gravity, wind and the negative of the object's acceleration. A client
+//! displaces the hair at height h (0..1) by b h³.
 // [Xbdev] dynamics
 
 use glam::DVec3;
@@ -8,10 +10,12 @@ use pelage_core::animation;
 use pelage_core::scene::{Dynamics, Motion};
 use std::f64::consts::TAU;
 
-/// Time step relative to the longest stable step and to the period of the forces; the result is within a few hundredths of the exact motion.
+/// Time step relative to the longest stable step and to the period of the forces; the result is
+/// within a few hundredths of the exact motion.
 const STEP: f64 = 0.01;
 
-/// Beyond this number of steps the spring is so stiff that it is replaced by its equilibrium under the current forces; its oscillation is faster than any frame rate.
+/// Beyond this number of steps the spring is so stiff that it is replaced by its equilibrium under
+/// the current forces; its oscillation is faster than any frame rate.
 const MOST_STEPS: f64 = 4e6;
 
 /// Ratio of the two gust frequencies: the golden ratio, so that they never fall into step.
@@ -27,9 +31,11 @@ pub struct Spring {
 }
 
 impl Spring {
-    /// One step of `dt` s by the semi-implicit Euler method under acceleration `a` (cm/s²). The bend is clamped to `limit` cm; at the limit the outward velocity is removed.
+    /// One step of `dt` s by the semi-implicit Euler method under acceleration `a` (cm/s²). The
+    /// bend is clamped to `limit` cm; at the limit the outward velocity is removed.
     // [Xbdev] F = -k x, F = m a
-    // DEVIATION: damped, and clamped to the length of the hair; the tutorial's spring is undamped and its displacement unlimited.
+    // DEVIATION: damped, and clamped to the length of the hair; the tutorial's spring is undamped
+    // and its displacement unlimited.
     pub fn step(&mut self, dynamics: &Dynamics, a: DVec3, dt: f64, limit: f64) {
         let (stiffness, damping) = (f64::from(dynamics.stiffness), f64::from(dynamics.damping));
         // Damping is implicit: it never overshoots, however strong it is.
@@ -49,7 +55,8 @@ pub fn longest_stable_step(dynamics: &Dynamics) -> f64 {
     2.0 / f64::from(dynamics.stiffness).sqrt()
 }
 
-/// Acceleration that bends the hair at `time` (s), cm/s²: gravity, wind with gusts, and the inertial acceleration in the object's frame.
+/// Acceleration that bends the hair at `time` (s), cm/s²: gravity, wind with gusts, and the
+/// inertial acceleration in the object's frame.
 pub fn driving_acceleration(dynamics: &Dynamics, motion: &Motion, time: f64) -> DVec3 {
     let vector = |v: [f32; 3]| DVec3::from(v.map(f64::from));
     let phase = TAU * f64::from(dynamics.gust_frequency) * time;
@@ -59,7 +66,9 @@ pub fn driving_acceleration(dynamics: &Dynamics, motion: &Motion, time: f64) -> 
         - animation::acceleration(motion, time).as_dvec3()
 }
 
-/// Bend of the tips at `time` (s), cm, world space, at most `limit` cm long. At time 0 the hair is at rest under gravity and the mean wind, which is also the bend of a still image. The result depends on the time alone, not on frames rendered before.
+/// Bend of the tips at `time` (s), cm, world space, at most `limit` cm long. At time 0 the hair is
+/// at rest under gravity and the mean wind, which is also the bend of a still image. The result
+/// depends on the time alone, not on frames rendered before.
 pub fn bend(dynamics: &Dynamics, motion: &Motion, limit: f32, time: f64) -> glam::Vec3 {
     let limit = f64::from(limit.max(0.0));
     let rest = |t: f64| {

@@ -1,10 +1,12 @@
-//! Lapped textures: a skin covered with patches, each flattened, so that one small toroidal texture clothes any mesh.
-//! The method is that of Praun, Finkelstein and Hoppe 2000; the variant without overlap is that of Lengyel et al. 2001.
+//! Lapped textures: a skin covered with patches, each flattened, so that one small toroidal texture
+//! clothes any mesh. The method is that of Praun, Finkelstein and Hoppe 2000; the variant without
+//! overlap is that of Lengyel et al. 2001.
 //!
-//! [`lap`] first finds the direction of the hair on each face (`field`). Then, until everything is covered, it takes a
-//! random uncovered place, grows a disc of faces inside an uneven outline around it (`outline`, `grow`) and flattens it
-//! by a least-squares fit to the field (`flatten`). Faces that would be flipped or stretched too much are cut off and left
-//! to later patches. A patch of one face is flattened exactly, so that every mesh comes to an end.
+//! [`lap`] first finds the direction of the hair on each face (`field`). Then, until everything is
+//! covered, it takes a random uncovered place, grows a disc of faces inside an uneven outline
+//! around it (`outline`, `grow`) and flattens it by a least-squares fit to the field (`flatten`).
+//! Faces that would be flipped or stretched too much are cut off and left to later patches. A patch
+//! of one face is flattened exactly, so that every mesh comes to an end.
 // [Praun2000], [Lengyel2001] sec. 3.2
 
 mod cells;
@@ -38,19 +40,19 @@ use surface::Surface;
 pub struct Lapped {
     /// Direction of the hair on each face: unit, tangent to the face, world space.
     pub field: Vec<Vec3>,
-    /// The patches in the order in which they are pasted: a later one lies on the earlier ones. Those of which nothing is
-    /// seen are left out where patches do not overlap.
+    /// The patches in the order in which they are pasted: a later one lies on the earlier ones.
+    /// Those of which nothing is seen are left out where patches do not overlap.
     pub patches: Vec<Patch>,
-    /// The patch that each face shows: the last one pasted that covers it whole; where there is none, which only
-    /// overlapping patches leave, the last one that touches it.
+    /// The patch that each face shows: the last one pasted that covers it whole; where there is
+    /// none, which only overlapping patches leave, the last one that touches it.
     pub topmost: Vec<u32>,
-    /// uv of each face's corners in its topmost patch, cm: u runs along the field, v across (normal x field). Not wrapped: divide by
-    /// the torus's edge for texture coordinates.
+    /// uv of each face's corners in its topmost patch, cm: u runs along the field, v across (normal
+    /// x field). Not wrapped: divide by the torus's edge for texture coordinates.
     pub corner_uv: Vec<[Vec2; 3]>,
     /// Radius of the outlines, cm.
     pub radius: f32,
-    /// Part of the skin's area that patches cover, 0..1. [`lap`] goes on until it is 1. Within overlapping patches, what
-    /// lies in an outline counts.
+    /// Part of the skin's area that patches cover, 0..1. [`lap`] goes on until it is 1. Within
+    /// overlapping patches, what lies in an outline counts.
     pub coverage: f64,
     /// Patches follow the field.
     pub aligned: bool,
@@ -63,24 +65,26 @@ pub struct Lapped {
 pub struct Patch {
     /// Its faces, in the order in which it grew.
     pub faces: Vec<u32>,
-    /// uv of the corners of each of `faces`, cm, the outline's centre at the origin. Faces keep their orientation: none has
-    /// a negative area.
+    /// uv of the corners of each of `faces`, cm, the outline's centre at the origin. Faces keep
+    /// their orientation: none has a negative area.
     pub corner_uv: Vec<[Vec2; 3]>,
-    /// The outline that masks an overlapping patch: corners of a star-shaped polygon around the origin at even angles, cm,
-    /// counter-clockwise, the first one on +u (see [`contains`]). Empty where patches do not overlap: there a patch shows
-    /// whole faces.
+    /// The outline that masks an overlapping patch: corners of a star-shaped polygon around the
+    /// origin at even angles, cm, counter-clockwise, the first one on +u (see [`contains`]). Empty
+    /// where patches do not overlap: there a patch shows whole faces.
     pub outline: Vec<Vec2>,
 }
 
-/// Largest area of the skin over the square of the radius for overlapping patches: a quarter of a million of them.
+/// Largest area of the skin over the square of the radius for overlapping patches: a quarter of a
+/// million of them.
 const MOST_PATCH_AREAS: f64 = 250_000.0;
 
 /// Covers `skin` with patches as `scene.lapped` says; random numbers come from `scene.render.seed`.
 ///
 /// # Errors
-/// [`Error::Scene`] where the skin has no faces or no area, where a setting is out of its range, and where the direction
-/// field has no direction: `field = "groom"` without `guard.comb_direction`, `field = "vectors"` without vectors or with one
-/// that is zero or stands square to the skin.
+/// [`Error::Scene`] where the skin has no faces or no area, where a setting is out of its range,
+/// and where the direction field has no direction: `field = "groom"` without
+/// `guard.comb_direction`, `field = "vectors"` without vectors or with one that is zero or stands
+/// square to the skin.
 pub fn lap(skin: &Skin, scene: &Scene) -> Result<Lapped> {
     let start = Instant::now();
     let spec = &scene.lapped;
@@ -158,7 +162,8 @@ struct Paste<'a> {
 }
 
 impl Paste<'_> {
-    /// Patches of whole faces: a face belongs to a patch if its centroid lies in the outline. Each face shows the last patch.
+    /// Patches of whole faces: a face belongs to a patch if its centroid lies in the outline. Each
+    /// face shows the last patch.
     // [Lengyel2001] sec. 3.2
     fn whole_faces(&mut self) {
         for face in self.grower.surface.random_order(self.seed) {
@@ -178,7 +183,8 @@ impl Paste<'_> {
         self.lapped.coverage = 1.0;
     }
 
-    /// Patches within their outlines, as large as they are; a face belongs to each whose outline touches it.
+    /// Patches within their outlines, as large as they are; a face belongs to each whose outline
+    /// touches it.
     fn overlapping(&mut self) -> Result<()> {
         let surface = self.grower.surface;
         let area = surface.area;
@@ -206,8 +212,9 @@ impl Paste<'_> {
                     }
                     cells.cover(f as u32, &uv, &outline);
                 }
-                // A cell is smaller than the outline around its centre, so that it is covered now. Should rounding undo
-                // that, it counts as uncovered in the end, and the loop still comes there.
+                // A cell is smaller than the outline around its centre, so that it is covered now.
+                // Should rounding undo that, it counts as uncovered in the end, and the loop still
+                // comes there.
                 cells.give_up(face, cell);
                 self.lapped.patches.push(patch);
             }
@@ -217,7 +224,8 @@ impl Paste<'_> {
         Ok(())
     }
 
-    /// The outline and the start of the next patch, centred on `center` (barycentric coordinates of corners 1 and 2).
+    /// The outline and the start of the next patch, centred on `center` (barycentric coordinates of
+    /// corners 1 and 2).
     fn start(&self, face: u32, center: DVec2) -> (Outline, Seed) {
         let random = hash2(self.seed, self.lapped.patches.len() as u32);
         let outline = Outline::new(self.radius, f64::from(self.spec.irregularity), random);

@@ -7,9 +7,11 @@ use pelage_gpu::Gpu;
 use pelage_render::driver::Run;
 use pelage_render::{Frame, RenderOptions, drive, drive_on};
 
-/// Renders `world` on the adapter chosen by the environment (WGPU_BACKEND, WGPU_ADAPTER_NAME, WGPU_POWER_PREF).
+/// Renders `world` on the adapter chosen by the environment (WGPU_BACKEND, WGPU_ADAPTER_NAME,
+/// WGPU_POWER_PREF).
 ///
-/// A lost device is reopened once, and rendering continues with the tile that was lost. If it is lost again, the frame holds the finished tiles and the error.
+/// A lost device is reopened once, and rendering continues with the tile that was lost. If it is
+/// lost again, the frame holds the finished tiles and the error.
 ///
 /// # Errors
 /// [`Error::Adapter`](pelage_core::Error::Adapter) without a sufficient adapter,
@@ -32,7 +34,8 @@ pub fn render_with(
     drive(open, world, options, run_of(world))
 }
 
-/// Renders `world` on an open device. If the device is lost, the frame holds the finished tiles and the error.
+/// Renders `world` on an open device. If the device is lost, the frame holds the finished tiles and
+/// the error.
 ///
 /// # Errors
 /// As [`render`].

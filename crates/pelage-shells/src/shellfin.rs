@@ -1,5 +1,7 @@
 //! Shells and fins: the real-time image of a fur, rasterised with baked textures.
-// Drawing order, the fade of the fins, lighting by a table and levels of detail: [Lengyel2001]. Silhouette test by a threshold and shells without depth writing: [Tariq2007]. Forces and shadows between hairs: [Xbdev].
+// Drawing order, the fade of the fins, lighting by a table and levels of detail: [Lengyel2001].
+// Silhouette test by a threshold and shells without depth writing: [Tariq2007]. Forces and shadows
+// between hairs: [Xbdev].
 
 mod geometry;
 mod picture;
@@ -28,10 +30,12 @@ use pelage_gpu::recorder::{RasterTargets, Timings};
 use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use pelage_render::prepare::Prepared;
 
-/// Standard deviation per axis of the direction of hairs that do not grow from a groom, as the tangent of the angle. Because of it, hair seen along its length still has coverage.
+/// Standard deviation per axis of the direction of hairs that do not grow from a groom, as the
+/// tangent of the angle. Because of it, hair seen along its length still has coverage.
 const STRAY: f32 = 0.3;
 
-/// Depth of fur that a fin represents, relative to the mean edge length. With this value the fins on a ball cover as much as its hybrid fur.
+/// Depth of fur that a fin represents, relative to the mean edge length. With this value the fins
+/// on a ball cover as much as its hybrid fur.
 pub(crate) const FIN_SPACING: f32 = 0.4;
 
 /// A fur as shells and fins, on the GPU.
@@ -58,12 +62,14 @@ pub struct Shellfins<'g> {
 /// What changes from frame to frame besides the camera.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Pose {
-    /// Displacement of the tips by forces, cm, world space. It is limited to the height of the fur; where `shells.length` shortens the hair it is scaled down in proportion.
+    /// Displacement of the tips by forces, cm, world space. It is limited to the height of the fur;
+    /// where `shells.length` shortens the hair it is scaled down in proportion.
     pub bend: Vec3,
 }
 
 impl Pose {
-    /// The pose `time` s after the scene's first frame, for fur `height` cm high ([`Shellfins::height`]). At time 0 the hair is at rest under gravity and the mean wind.
+    /// The pose `time` s after the scene's first frame, for fur `height` cm high
+    /// ([`Shellfins::height`]). At time 0 the hair is at rest under gravity and the mean wind.
     // [Xbdev]
     pub fn at(world: &World, time: f64, height: f32) -> Self {
         let scene = &world.scene;
@@ -101,7 +107,8 @@ pub(crate) fn stray_variance(world: &World, source: BakeSource, height: f32) -> 
 /// Loads the textures that the scene names, or else bakes those that it describes.
 ///
 /// # Errors
-/// [`Error::Scene`] or [`Error::Io`] if the named files are missing or damaged, and the errors of [`crate::bake::bake`].
+/// [`Error::Scene`] or [`Error::Io`] if the named files are missing or damaged, and the errors of
+/// [`crate::bake::bake`].
 pub fn textures(world: &World) -> Result<FurTextures> {
     match &world.textures {
         Some(manifest) => crate::bake::load(manifest),
@@ -110,10 +117,12 @@ pub fn textures(world: &World) -> Result<FurTextures> {
 }
 
 impl<'g> Shellfins<'g> {
-    /// Maps `textures` to the skin and uploads everything that is constant over frames. `frame` is the first view, for which the light on the skin is computed.
+    /// Maps `textures` to the skin and uploads everything that is constant over frames. `frame` is
+    /// the first view, for which the light on the skin is computed.
     ///
     /// # Errors
-    /// [`Error::Scene`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`], [`Error::Gpu`].
+    /// [`Error::Scene`] if the mapping needs uv and the skin has none; [`Error::OutOfMemory`],
+    /// [`Error::Gpu`].
     pub fn new(
         gpu: &'g Gpu,
         world: &'g World,
@@ -254,7 +263,8 @@ impl<'g> Shellfins<'g> {
         self.edges
     }
 
-    /// A buffer that is constant over frames: `fur_corners`, `fin_edges`, `outlines`, `brushes`, `vertex_uv`.
+    /// A buffer that is constant over frames: `fur_corners`, `fin_edges`, `outlines`, `brushes`,
+    /// `vertex_uv`.
     pub fn buffer(&self, name: &str) -> Option<&Buffer> {
         self.buffers.iter().find(|b| b.name == name)
     }

@@ -1,7 +1,9 @@
-//! `pelage bench`: time and memory in the rows of Andersen et al. 2016, Table 1, and comparisons of methods for the same fur.
+//! `pelage bench`: time and memory in the rows of Andersen et al. 2016, Table 1, and comparisons of
+//! methods for the same fur.
 //!
-//! All renderings use one open device. Compilation and the first dispatch of each kernel come before the measurement and are reported
-//! separately. The renderer has no special path for the bench, which loads a [`World`] and calls [`pelage_shells::render_on`].
+//! All renderings use one open device. Compilation and the first dispatch of each kernel come
+//! before the measurement and are reported separately. The renderer has no special path for the
+//! bench, which loads a [`World`] and calls [`pelage_shells::render_on`].
 
 pub mod paper;
 pub mod shells;
@@ -153,11 +155,12 @@ pub fn run(options: &Options) -> Result<()> {
     }
 }
 
-/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh or map is missing is reported and
-/// skipped.
+/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh
+/// or map is missing is reported and skipped.
 ///
 /// # Errors
-/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid, and those of [`pelage_shells::render_on`].
+/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid, and those
+/// of [`pelage_shells::render_on`].
 pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> Result<Report> {
     let started = Instant::now();
     let gpu = pelage_render::open()?;
@@ -206,7 +209,8 @@ pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> 
     Ok(report)
 }
 
-/// Renders a small scene in every blending mode, with densities stored and evaluated, because some drivers compile at the first dispatch.
+/// Renders a small scene in every blending mode, with densities stored and evaluated, because some
+/// drivers compile at the first dispatch.
 fn warm_up(gpu: &Gpu) -> Result<()> {
     let scene = Scene::parse(WARM_UP, "warm-up", &[])?;
     let mut world = World::load(scene, &Assets::default())?;
@@ -220,7 +224,8 @@ fn warm_up(gpu: &Gpu) -> Result<()> {
     Ok(())
 }
 
-/// Loads a scene at one sample a pixel of `size`; `None`, noted in `report`, if a file that it names is missing.
+/// Loads a scene at one sample a pixel of `size`; `None`, noted in `report`, if a file that it
+/// names is missing.
 fn load(
     path: &Path,
     size: [u32; 2],

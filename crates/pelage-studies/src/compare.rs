@@ -1,4 +1,5 @@
-//! Differences between two images in light, structure and perception: over all pixels, at the silhouette, and inside.
+//! Differences between two images in light, structure and perception: over all pixels, at the
+//! silhouette, and inside.
 
 mod metric;
 mod perceptual;
@@ -21,8 +22,8 @@ const RELATIVE_FLOOR: f64 = 1e-2;
 
 /// Differences of an image from a reference.
 ///
-/// Pixels that are infinite or not a number in either image are counted and left out; FLIP and SSIM treat them as black.
-/// In JSON an infinite or undefined number becomes `null`.
+/// Pixels that are infinite or not a number in either image are counted and left out; FLIP and SSIM
+/// treat them as black. In JSON an infinite or undefined number becomes `null`.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Comparison {
     /// Pixels.
@@ -47,8 +48,9 @@ pub struct Comparison {
 /// Settings of [`compare_with`], which apply to both images.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Options {
-    /// Stops, for the metrics of displayed images (PSNR, SSIM, FLIP). Of the metrics of linear light only RMSE, the largest difference and
-    /// the floor of relative MSE depend on it: they use exposed values.
+    /// Stops, for the metrics of displayed images (PSNR, SSIM, FLIP). Of the metrics of linear
+    /// light only RMSE, the largest difference and the floor of relative MSE depend on it: they use
+    /// exposed values.
     pub exposure: f64,
     /// Width of the silhouette on each side of the outline, pixels.
     pub band: f64,
@@ -88,8 +90,9 @@ impl Comparison {
         self.exceeds_in(Region::All, limits)
     }
 
-    /// The metrics past their limits in a region, one line each; `None` if all are within. Pixels that are not finite, a metric that is not
-    /// a number, and a region without pixels if a limit is set always exceed.
+    /// The metrics past their limits in a region, one line each; `None` if all are within. Pixels
+    /// that are not finite, a metric that is not a number, and a region without pixels if a limit
+    /// is set always exceed.
     pub fn exceeds_in(&self, region: Region, limits: &Thresholds) -> Option<String> {
         let mut lines = match self.region(region) {
             Some(metrics) => metrics.exceeds(limits),

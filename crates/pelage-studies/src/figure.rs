@@ -1,9 +1,10 @@
-//! The figures and tables of the works that pelage implements. Each is a folder of `paper_figures/` with a `figure.toml`, its scenes, and
-//! a caption.
+//! The figures and tables of the works that pelage implements. Each is a folder of `paper_figures/`
+//! with a `figure.toml`, its scenes, and a caption.
 //!
-//! Panels are scenes that are rendered like any other picture; they need no code. A figure that is more than scenes side by side has a
-//! [`study`]. Both give a [`FigureContent`], whose files and [`Record`] are written to `NAME/result/`. `page` and `markdown` write reports
-//! from the records, `golden` compares small versions with the kept ones.
+//! Panels are scenes that are rendered like any other picture; they need no code. A figure that is
+//! more than scenes side by side has a [`study`]. Both give a [`FigureContent`], whose files and
+//! [`Record`] are written to `NAME/result/`. `page` and `markdown` write reports from the records,
+//! `golden` compares small versions with the kept ones.
 
 mod content;
 mod context;
@@ -56,12 +57,14 @@ pub fn list() -> Result<()> {
     Ok(())
 }
 
-/// Produces figures and writes `index.html`. A figure that fails or lacks a file is reported, and the others are still produced.
+/// Produces figures and writes `index.html`. A figure that fails or lacks a file is reported, and
+/// the others are still produced.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. At the end: the error of the figure if only one was asked
-/// for, otherwise [`Error::GoalMissed`] with the figures that failed and the parts that differ from the kept ones. If several figures are
-/// asked for, missing assets are not an error.
+/// [`Error::Usage`] for an unknown name; [`Error::Interrupted`]; [`Error::Io`]. At the end: the
+/// error of the figure if only one was asked for, otherwise [`Error::GoalMissed`] with the figures
+/// that failed and the parts that differ from the kept ones. If several figures are asked for,
+/// missing assets are not an error.
 pub fn run(options: &Options, cancel: &AtomicBool) -> Result<()> {
     let names = if options.names.is_empty() { Figure::names()? } else { options.names.clone() };
     let figures = names.iter().map(|name| Figure::find(name)).collect::<Result<Vec<_>>>()?;

@@ -1,6 +1,7 @@
 //! Figures, benchmarks, validation, comparison of images, and their reports.
 //!
-//! Nothing here renders on its own: all measurements and pictures come from [`pelage_shells::render_on`] and [`pelage_pathtrace`].
+//! Nothing here renders on its own: all measurements and pictures come from
+//! [`pelage_shells::render_on`] and [`pelage_pathtrace`].
 
 pub mod bench;
 pub mod compare;

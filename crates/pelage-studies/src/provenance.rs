@@ -1,4 +1,5 @@
-//! The origin of a measurement or a figure, and helpers to find its input files and to write its results.
+//! The origin of a measurement or a figure, and helpers to find its input files and to write its
+//! results.
 
 use pelage_core::files::write_atomically;
 use pelage_core::{Error, Result};
@@ -63,7 +64,8 @@ pub fn iso_utc(time: SystemTime) -> String {
     format!("{year:04}-{month:02}-{day:02}T{:02}:{:02}:{:02}Z", rest / 3600, rest / 60 % 60, rest % 60)
 }
 
-/// Finds a file or folder of the repository (`scenes/...`, `paper_figures/...`) in the working folder or a folder above the program.
+/// Finds a file or folder of the repository (`scenes/...`, `paper_figures/...`) in the working
+/// folder or a folder above the program.
 ///
 /// # Errors
 /// [`Error::Usage`] with the folders that were searched.

@@ -53,7 +53,8 @@ pub fn number(value: f64) -> String {
     }
 }
 
-/// Turns a label into a file name: lower case, with `_` for everything but ASCII letters and digits.
+/// Turns a label into a file name: lower case, with `_` for everything but ASCII letters and
+/// digits.
 pub fn file_name(label: &str) -> String {
     let parts = label.split(|c: char| !c.is_ascii_alphanumeric()).filter(|w| !w.is_empty());
     parts.collect::<Vec<_>>().join("_").to_lowercase()

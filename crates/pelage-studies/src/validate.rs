@@ -1,7 +1,8 @@
 //! Errors of the approximations against the ground truth, with goals, in a report.
 //!
-//! An experiment is a function from a [`Lab`] to a [`Section`] of plain data: findings with their goals, tables, curves, and pictures. [`run`]
-//! collects the sections in a [`Report`], and [`html`] writes it. The approximations are those of [`pelage_render`], the ground truth is
+//! An experiment is a function from a [`Lab`] to a [`Section`] of plain data: findings with their
+//! goals, tables, curves, and pictures. [`run`] collects the sections in a [`Report`], and [`html`]
+//! writes it. The approximations are those of [`pelage_render`], the ground truth is
 //! [`pelage_pathtrace`].
 
 pub mod furnace;
@@ -238,11 +239,12 @@ pub static EXPERIMENTS: [Experiment; 4] = [
     Experiment { name: "hybrid", title: "Hybrid fur against path tracing", share: 16.0, run: hybrid::run },
 ];
 
-/// Runs the experiments and writes `report.html`, `report.json` and pictures. The report is rewritten after each experiment.
+/// Runs the experiments and writes `report.html`, `report.json` and pictures. The report is
+/// rewritten after each experiment.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown name or if the repository's scenes are not found; [`Error::Interrupted`]; [`Error::Io`]; those of
-/// rendering.
+/// [`Error::Usage`] for an unknown name or if the repository's scenes are not found;
+/// [`Error::Interrupted`]; [`Error::Io`]; those of rendering.
 pub fn run(options: &Options, progress: &(dyn Fn(Progress) + Sync), cancel: &AtomicBool) -> Result<Report> {
     let chosen: Vec<&Experiment> = match &options.only[..] {
         [] => EXPERIMENTS.iter().collect(),

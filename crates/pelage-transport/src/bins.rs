@@ -1,15 +1,18 @@
 //! Bins of the cosine to the skin's normal: the directions of the radiative transfer.
 //!
-//! Radiance is a mean over azimuth and over a bin. Bins are numbered from straight down (cosine -1) to straight up (1).
+//! Radiance is a mean over azimuth and over a bin. Bins are numbered from straight down (cosine -1)
+//! to straight up (1).
 
 use std::sync::LazyLock;
 
-/// Bins in a hemisphere. Fibres send light into narrow cones, which coarse bins would spread over other inclinations.
+/// Bins in a hemisphere. Fibres send light into narrow cones, which coarse bins would spread over
+/// other inclinations.
 pub const HALF: usize = 24;
 /// Bins in the sphere.
 pub const BINS: usize = 2 * HALF;
 
-/// Edges of the bins in the cosine: the mean of an even spacing in the cosine and an even spacing in the angle.
+/// Edges of the bins in the cosine: the mean of an even spacing in the cosine and an even spacing
+/// in the angle.
 pub fn edges() -> [f64; BINS + 1] {
     static EDGES: LazyLock<[f64; BINS + 1]> = LazyLock::new(|| {
         std::array::from_fn(|k| {
@@ -32,8 +35,8 @@ pub(crate) fn centre(bin: usize) -> f64 {
     0.5 * (e[bin] + e[bin + 1])
 }
 
-/// The two bins whose centres enclose the cosine `mu`, and the weight of the second; twice the outermost bin, with a weight of
-/// 0, beyond its centre.
+/// The two bins whose centres enclose the cosine `mu`, and the weight of the second; twice the
+/// outermost bin, with a weight of 0, beyond its centre.
 pub(crate) fn neighbours(mu: f64) -> (usize, usize, f64) {
     let e = edges();
     let centre = |k: usize| 0.5 * (e[k] + e[k + 1]);

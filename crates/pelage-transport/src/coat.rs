@@ -1,12 +1,15 @@
-//! A flat coat of one or two kinds of hairs, whose density, colour and directions change with the height.
+//! A flat coat of one or two kinds of hairs, whose density, colour and directions change with the
+//! height.
 //!
-//! *Depth* measures how much hair lies above a point: 0 at the tips of the longest hairs, growing downwards by the projected area of
-//! hairs of all kinds (length times diameter) per area of skin. It is the optical depth that these hairs would have if each were seen
-//! perpendicular to its axis. It has no unit, and neither has extinction, which counts for a depth of 1.
+//! *Depth* measures how much hair lies above a point: 0 at the tips of the longest hairs, growing
+//! downwards by the projected area of hairs of all kinds (length times diameter) per area of skin.
+//! It is the optical depth that these hairs would have if each were seen perpendicular to its axis.
+//! It has no unit, and neither has extinction, which counts for a depth of 1.
 //!
-//! *Albedo* is one channel of a hair's colour ([`pelage_fur::fibre::Hit::tint`]), from which its fibre model derives what it absorbs; a
-//! diffuse hair's single-scattering albedo is just that. A coat has one mean albedo for each colour; its parts are darker or
-//! brighter by a fixed power of it.
+//! *Albedo* is one channel of a hair's colour ([`pelage_fur::fibre::Hit::tint`]), from which its
+//! fibre model derives what it absorbs; a diffuse hair's single-scattering albedo is just that. A
+//! coat has one mean albedo for each colour; its parts are darker or brighter by a fixed power of
+//! it.
 
 use crate::bins::{BINS, centre, interpolate, neighbours};
 use crate::grid::{ALBEDOS, albedo, albedo_fraction};
@@ -31,7 +34,8 @@ pub struct Hairs {
 pub struct HeightLevel {
     /// Sampled directions, all of equal weight.
     pub hairs: Vec<Orientation>,
-    /// Their extinction along each bin's directions as the optical-depth lattice counts it; `None` where it counts the true one.
+    /// Their extinction along each bin's directions as the optical-depth lattice counts it; `None`
+    /// where it counts the true one.
     pub lattice_extinction: Option<[f64; BINS]>,
 }
 
@@ -40,14 +44,14 @@ pub struct HeightLevel {
 pub struct Orientation {
     /// Unit, root to tip; z is the skin's normal.
     pub tangent: Vec3,
-    /// Projected area, perpendicular to the hair, for a depth of 1: more than 1 where depth was measured along the skin's normal and
-    /// the hair, leaning, is longer than the layer is high.
+    /// Projected area, perpendicular to the hair, for a depth of 1: more than 1 where depth was
+    /// measured along the skin's normal and the hair, leaning, is longer than the layer is high.
     pub projected: f32,
 }
 
 impl Orientation {
-    /// A hair of the undercoat, whose hairs per area of skin do not depend on their lean. A hair that lies nearly flat is limited as in
-    /// the undercoat's volume (`Place::crowding`).
+    /// A hair of the undercoat, whose hairs per area of skin do not depend on their lean. A hair
+    /// that lies nearly flat is limited as in the undercoat's volume (`Place::crowding`).
     pub fn leaning(tangent: Vec3) -> Self {
         Self { tangent, projected: 1.0 / tangent.z.max(0.3) }
     }
@@ -120,8 +124,9 @@ impl Medium {
         OperatorTable { operators }
     }
 
-    /// Composition between two depths: a part for each kind, the mean over the slices that overlap them. A kind that has no hairs there
-    /// gets a depth of 0 and the properties of its nearest part.
+    /// Composition between two depths: a part for each kind, the mean over the slices that overlap
+    /// them. A kind that has no hairs there gets a depth of 0 and the properties of its nearest
+    /// part.
     fn parts_at(&self, from: f64, to: f64) -> Vec<Part> {
         let mut sums = vec![Part { depth: 0.0, level: 0.0, power: [0.0; 3] }; self.kinds.len()];
         let mut top = 0.0;
@@ -168,7 +173,8 @@ impl Medium {
         best.map(|(_, part)| part)
     }
 
-    /// Thicknesses of the layers, from the top down: thinnest at the top, where the light changes fastest.
+    /// Thicknesses of the layers, from the top down: thinnest at the top, where the light changes
+    /// fastest.
     pub(super) fn thicknesses(&self) -> Vec<f64> {
         let (mut rest, mut step) = (self.depth(), 0.08f64);
         let mut all = Vec::new();
@@ -180,7 +186,8 @@ impl Medium {
         all
     }
 
-    /// Layers of the coat, from the top down, where its mean albedo is `albedo` and stands for colour number `color`.
+    /// Layers of the coat, from the top down, where its mean albedo is `albedo` and stands for
+    /// colour number `color`.
     pub fn layers(&self, operators: &OperatorTable, albedo: f32, color: usize) -> Vec<Layer> {
         let mut top = 0.0;
         let of_layer = |thickness: f64| {
@@ -217,7 +224,8 @@ impl Medium {
 pub struct Responses<'a>(Vec<(&'a Operators, f64)>);
 
 impl Responses<'_> {
-    /// Radiance sent towards the cosine `mu` over the hairs' extinction (a source function), for a radiance of 1 from each bin.
+    /// Radiance sent towards the cosine `mu` over the hairs' extinction (a source function), for a
+    /// radiance of 1 from each bin.
     pub fn at(&self, mu: f64) -> [f64; BINS] {
         let (a, b, x) = neighbours(mu);
         let mut response = [0.0; BINS];
@@ -232,7 +240,8 @@ impl Responses<'_> {
 }
 
 impl OperatorTable {
-    /// The up to four operators of a kind around a level and an albedo, with the weights of a bilinear interpolation.
+    /// The up to four operators of a kind around a level and an albedo, with the weights of a
+    /// bilinear interpolation.
     fn around(&self, kind: usize, level: f64, albedo: f32) -> impl Iterator<Item = (&Operators, f64)> {
         let levels = &self.operators[kind];
         let level = level.clamp(0.0, (levels.len() - 1) as f64);
@@ -248,8 +257,9 @@ impl OperatorTable {
     }
 }
 
-/// Directions of the undercoat's hairs at the height `t` (0 at the skin, 1 at the tips), z being the skin's normal: they lean by `lean * t`
-/// (tangent of the angle to the normal) and are turned by a random vector of length `jitter * t^exponent`.
+/// Directions of the undercoat's hairs at the height `t` (0 at the skin, 1 at the tips), z being
+/// the skin's normal: they lean by `lean * t` (tangent of the angle to the normal) and are turned
+/// by a random vector of length `jitter * t^exponent`.
 pub fn orientations(lean: f32, jitter: f32, exponent: f32, t: f32) -> Vec<Orientation> {
     (0..512)
         .map(|i| {

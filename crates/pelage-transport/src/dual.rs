@@ -1,7 +1,8 @@
-//! Dual scattering, Zinke et al. 2008: how much light a hair scatters forward and backward, and how much the hairs behind it send
-//! back.
+//! Dual scattering, Zinke et al. 2008: how much light a hair scatters forward and backward, and how
+//! much the hairs behind it send back.
 //!
-//! Forward means away from the light, in the half of the azimuths opposite to it; backward means towards it. Pairs are in this order.
+//! Forward means away from the light, in the half of the azimuths opposite to it; backward means
+//! towards it. Pairs are in this order.
 
 use crate::grid::{ALBEDOS, COSINES, albedo, cosine};
 use glam::Vec3;
@@ -12,7 +13,8 @@ use std::f32::consts::{FRAC_PI_2, PI};
 /// What one hair does with light of one inclination, forward and backward.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Attenuation {
-    /// Share of the light that is scattered into each half: the paper's average attenuations a_f and a_b.
+    /// Share of the light that is scattered into each half: the paper's average attenuations a_f
+    /// and a_b.
     pub mean: [f32; 2],
     /// Mean shift of the inclination from the mirror cone, radians: alpha_f and alpha_b.
     pub shift: [f32; 2],
@@ -21,10 +23,12 @@ pub struct Attenuation {
 }
 
 impl Attenuation {
-    /// Share of the light that the hairs behind one send back: the paper's A_b. An endless row of hairs, each forward f and backward b,
-    /// reflects R = b + f² R / (1 - b R); the first hair's own b is subtracted.
+    /// Share of the light that the hairs behind one send back: the paper's A_b. An endless row of
+    /// hairs, each forward f and backward b, reflects R = b + f² R / (1 - b R); the first hair's
+    /// own b is subtracted.
     ///
-    /// DEVIATION: Zinke et al. 2008 keep the terms of one and three backward scatterings; this is the whole series.
+    /// DEVIATION: Zinke et al. 2008 keep the terms of one and three backward scatterings; this is
+    /// the whole series.
     pub fn backscatter(&self) -> f32 {
         let [f, b] = self.mean;
         let half = 0.5 * (1.0 + b * b - f * f);
@@ -33,7 +37,8 @@ impl Attenuation {
         (b / (half + root) - b).max(0.0)
     }
 
-    /// Mean shift (radians) and variance (square radians) of the inclination of [`Attenuation::backscatter`].
+    /// Mean shift (radians) and variance (square radians) of the inclination of
+    /// [`Attenuation::backscatter`].
     // [Zinke2008] eq. 16 and 17
     pub fn backscatter_lobe(&self) -> (f32, f32) {
         let [f, b] = self.mean;
@@ -63,8 +68,8 @@ impl From<Hemispheres> for Attenuation {
 
 /// Dual scattering of a fibre model: `[albedo][sine of the inclination]`, two entries each.
 ///
-/// First a_f, a_b, [`Attenuation::backscatter`] and its shift; then the variances forward, backward and of the backscatter, and the shift
-/// backward.
+/// First a_f, a_b, [`Attenuation::backscatter`] and its shift; then the variances forward, backward
+/// and of the backscatter, and the shift backward.
 pub fn table(fibre: &Fibre) -> Vec<[f32; 4]> {
     let albedos = Albedos::new(fibre);
     (0..ALBEDOS * COSINES)
@@ -81,11 +86,12 @@ pub fn table(fibre: &Fibre) -> Vec<[f32; 4]> {
         .collect()
 }
 
-/// Radiance that a hair sends to a view of light that was scattered more than once, for an irradiance of 1 perpendicular to the light; the
-/// cosine of incidence is included.
+/// Radiance that a hair sends to a view of light that was scattered more than once, for an
+/// irradiance of 1 perpendicular to the light; the cosine of incidence is included.
 ///
-/// `entries` are those of [`table`] at the difference angle (theta_o - theta_i) / 2, `tau` the optical depth towards the light, `density`
-/// the density factors d_f and d_b, 0 where a term is off.
+/// `entries` are those of [`table`] at the difference angle (theta_o - theta_i) / 2, `tau` the
+/// optical depth towards the light, `density` the density factors d_f and d_b, 0 where a term is
+/// off.
 // [Zinke2008] eq. 5, 12 and 20
 pub fn scatter(entries: [[f32; 4]; 2], [theta_i, theta_o]: [f32; 2], tau: f32, density: [f32; 2]) -> f32 {
     let [[a_f, a_b, backscatter, backscatter_shift], [variance_f, variance_b, backscatter_variance, shift_b]] =
@@ -95,10 +101,12 @@ pub fn scatter(entries: [[f32; 4]; 2], [theta_i, theta_o]: [f32; 2], tau: f32, d
     let cos_d = (0.5 * (theta_o - theta_i)).cos();
     // Light that meets no hair before this one, and light that other hairs scatter forward to it.
     let direct = (-tau).exp();
-    // DEVIATION: the number of hairs in front is Poisson distributed with mean tau; Zinke et al. 2008 count them along the ray.
+    // DEVIATION: the number of hairs in front is Poisson distributed with mean tau; Zinke et al.
+    // 2008 count them along the ray.
     let forward = density[0] * ((-tau * (1.0 - a_f)).exp() - direct);
     let spread = (tau * a_f).max(1.0) * variance_f;
-    // Towards the view, such light comes from the hairs behind, or from this hair's own backward scattering.
+    // Towards the view, such light comes from the hairs behind, or from this hair's own backward
+    // scattering.
     let from_behind = |variance: f32| {
         2.0 * backscatter * gaussian(turn - backscatter_shift, backscatter_variance + variance)
     };

@@ -1,7 +1,7 @@
 //! Lookups in the table of multiple scattering: CPU twin of `shaders/shared/transport.wgsl`.
 //!
-//! A table is interpolated linearly along each of its axes. `albedo` is the colour of the hairs, a table's albedo for each channel;
-//! irradiance is perpendicular to the light.
+//! A table is interpolated linearly along each of its axes. `albedo` is the colour of the hairs, a
+//! table's albedo for each channel; irradiance is perpendicular to the light.
 
 use crate::grid::{ALBEDOS, COSINES, DEPTHS, TILTS, albedo_fraction, depth_fraction, place, signed_fraction};
 use crate::{Table, dual};
@@ -17,7 +17,8 @@ fn albedo_place(albedo: f32) -> (usize, f32) {
     place(albedo_fraction(albedo), ALBEDOS)
 }
 
-/// Entry of a table `[albedo][sine or cosine]`, interpolated between index `at` and the next, whose weight is `part`.
+/// Entry of a table `[albedo][sine or cosine]`, interpolated between index `at` and the next, whose
+/// weight is `part`.
 fn entry(table: &[[f32; 4]], albedo: f32, (at, part): (usize, f32)) -> Vec4 {
     let (darker, a_part) = albedo_place(albedo);
     let of = |a: usize, i: usize| Vec4::from(table[a * COSINES + i]);
@@ -26,7 +27,8 @@ fn entry(table: &[[f32; 4]], albedo: f32, (at, part): (usize, f32)) -> Vec4 {
 }
 
 impl Table {
-    /// Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal, for an irradiance of 1.
+    /// Scattered radiance at an optical depth `tau` towards a light of cosine `mu` to the normal,
+    /// for an irradiance of 1.
     pub fn scattered_field(&self, albedo: Vec3, tau: f32, mu: f32) -> Field {
         let (d, d_part) = place(depth_fraction(tau), DEPTHS);
         let light = place(mu, COSINES);
@@ -43,9 +45,10 @@ impl Table {
         })
     }
 
-    /// Light for a view of cosine `view` to the normal, at an optical depth `tau` towards a light of cosine `light`, for an irradiance of
-    /// 1: the radiance that undercoat sends to the view over its extinction, from light that was scattered before; the radiance that
-    /// falls on guard hairs from above, and from below.
+    /// Light for a view of cosine `view` to the normal, at an optical depth `tau` towards a light
+    /// of cosine `light`, for an irradiance of 1: the radiance that undercoat sends to the view
+    /// over its extinction, from light that was scattered before; the radiance that falls on guard
+    /// hairs from above, and from below.
     pub fn sent_radiance(&self, albedo: Vec3, tau: f32, light: f32, view: f32) -> [Vec3; 3] {
         let (d, d_part) = place(depth_fraction(tau), DEPTHS);
         let (l, l_part) = place(light, COSINES);
@@ -70,8 +73,9 @@ impl Table {
         Vec3::from_array(field.map(|f| std::f32::consts::TAU * (high * f.x + low * f.y)))
     }
 
-    /// Radiance sent to the view `v` by dual scattering, from a light `l` at an optical depth `tau`, for an irradiance of 1: light that was
-    /// scattered more than once. Directions are unit and leave the hair.
+    /// Radiance sent to the view `v` by dual scattering, from a light `l` at an optical depth
+    /// `tau`, for an irradiance of 1: light that was scattered more than once. Directions are unit
+    /// and leave the hair.
     pub fn dual_scatter(
         &self,
         layer: Layer,
@@ -91,8 +95,8 @@ impl Table {
         }))
     }
 
-    /// Radiance that a guard hair sends to `view` for the radiances that come from above the horizon of the skin's `normal` and from below
-    /// it. Directions are unit.
+    /// Radiance that a guard hair sends to `view` for the radiances that come from above the
+    /// horizon of the skin's `normal` and from below it. Directions are unit.
     pub fn guard_response(
         &self,
         albedo: Vec3,

@@ -1,4 +1,5 @@
-//! How hairs of one height and one albedo attenuate and scatter light, averaged over their directions.
+//! How hairs of one height and one albedo attenuate and scatter light, averaged over their
+//! directions.
 
 use crate::bins::{BINS, edges, widths};
 use crate::coat::{HeightLevel, Orientation};
@@ -14,19 +15,21 @@ const SAMPLES: u32 = 1024;
 
 /// Extinction and scattering of hairs, for a depth of 1 as [`crate::coat`] counts it.
 pub struct Operators {
-    /// Extinction along each bin's directions: the mean of [`Orientation::projected`] times the sine of the angle between hair and
-    /// ray.
+    /// Extinction along each bin's directions: the mean of [`Orientation::projected`] times the
+    /// sine of the angle between hair and ray.
     pub extinction: [f64; BINS],
-    /// Scattering, `[bin that light leaves into][bin that it arrives from]`: radiance sent for a radiance of 1 from the whole bin
-    /// of arrival. A row's sum over its extinction is the hairs' directional albedo.
+    /// Scattering, `[bin that light leaves into][bin that it arrives from]`: radiance sent for a
+    /// radiance of 1 from the whole bin of arrival. A row's sum over its extinction is the hairs'
+    /// directional albedo.
     pub kernel: Vec<[f64; BINS]>,
-    /// Extinction along each bin's directions as the optical-depth lattice counts it, which knows less about the hairs.
+    /// Extinction along each bin's directions as the optical-depth lattice counts it, which knows
+    /// less about the hairs.
     pub lattice_extinction: [f64; BINS],
 }
 
 impl Operators {
-    /// Samples hairs of `level` at all azimuths. Paths are followed backwards: the exit direction is uniform in its bin, the
-    /// direction of arrival is drawn by `fibre`.
+    /// Samples hairs of `level` at all azimuths. Paths are followed backwards: the exit direction
+    /// is uniform in its bin, the direction of arrival is drawn by `fibre`.
     pub fn new(fibre: &Fibre, level: &HeightLevel, albedo: f32, seed: u32) -> Self {
         let hairs = &level.hairs;
         let (edges, widths) = (edges(), widths());
@@ -78,7 +81,8 @@ impl Operators {
         }
     }
 
-    /// Scales scattering down wherever more light would leave than arrives: no directional albedo stays above 1.
+    /// Scales scattering down wherever more light would leave than arrives: no directional albedo
+    /// stays above 1.
     pub(crate) fn limit_albedo(&mut self) {
         for (row, extinction) in self.kernel.iter_mut().zip(&self.extinction) {
             let albedo = row.iter().sum::<f64>() / extinction.max(1e-12);

@@ -1,52 +1,61 @@
 //! Radiative transfer in a plane-parallel coat by the adding method.
 //!
-//! **Model.** A coat is a stack of layers, each of one mixture of hairs, on a Lambertian skin. It is lit by directional lights of
-//! irradiance 1. The beams of the lights are followed apart, attenuated only; I is the radiance that was scattered at least once, by hairs or
-//! by the skin. It depends on the depth z, which grows downwards, and on the inclination; azimuth is averaged out. With the cosine μ > 0
-//! between the direction and the normal's line, the extinction σ and the scattering kernel K of the hairs, and the emission s of light
-//! scattered from the beams,
+//! **Model.** A coat is a stack of layers, each of one mixture of hairs, on a Lambertian skin. It
+//! is lit by directional lights of irradiance 1. The beams of the lights are followed apart,
+//! attenuated only; I is the radiance that was scattered at least once, by hairs or by the skin. It
+//! depends on the depth z, which grows downwards, and on the inclination; azimuth is averaged out.
+//! With the cosine μ > 0 between the direction and the normal's line, the extinction σ and the
+//! scattering kernel K of the hairs, and the emission s of light scattered from the beams,
 //!
 //! ```text
-//! μ dI/dz = -σ I + K I + s   for light that goes down,   -μ dI/dz = -σ I + K I + s   for light that goes up.
+//!  μ dI/dz = -σ I + K I + s   for light that goes down,
+//! -μ dI/dz = -σ I + K I + s   for light that goes up.
 //! ```
 //!
-//! **Streams.** Directions are the 48 [bins](crate::bins). The solver orders them as *streams*: 0..24 go up, 24..48 go down,
-//! each half from grazing to steep. Emitted light is binned by where it goes to, arriving light by where it comes from. So a stream
-//! has two bins, `leaving_bin` and `arriving_bin`.
+//! **Streams.** Directions are the 48 [bins](crate::bins). The solver orders them as *streams*:
+//! 0..24 go up, 24..48 go down, each half from grazing to steep. Emitted light is binned by where
+//! it goes to, arriving light by where it comes from. So a stream has two bins, `leaving_bin` and
+//! `arriving_bin`.
 //!
-//! **One layer.** The emission K I + s is taken as constant within a layer (in neutron transport: step characteristics). The mean
-//! radiance along a stream of optical thickness x is then
+//! **One layer.** The emission K I + s is taken as constant within a layer (in neutron transport:
+//! step characteristics). The mean radiance along a stream of optical thickness x is then
 //!
 //! ```text
 //! I = H in + G (K I + s),    H = (1 - exp(-x)) / x,    G = (1 - H) / σ,    H and G diagonal,
 //! ```
 //!
-//! where `in` is the radiance that enters. So (1 - G K) I = H in + G s. This system is solved for each layer, because
-//! (1 - G K)⁻¹ = 1 + G K + (G K)² + ... is the sum over all orders of scattering within the layer. What leaves the layer is the radiance that
-//! met no hair, and the emission along the stream. As a map from entering to leaving streams, that is a block of transmission T and one of
-//! reflection R for light that leaves upwards (T↑, R↑) and downwards (T↓, R↓), with source vectors s↑ and s↓.
+//! where `in` is the radiance that enters. So (1 - G K) I = H in + G s. This system is solved for
+//! each layer, because (1 - G K)⁻¹ = 1 + G K + (G K)² + ... is the sum over all orders of
+//! scattering within the layer. What leaves the layer is the radiance that met no hair, and the
+//! emission along the stream. As a map from entering to leaving streams, that is a block of
+//! transmission T and one of reflection R for light that leaves upwards (T↑, R↑) and downwards (T↓,
+//! R↓), with source vectors s↑ and s↓.
 //!
-//! **Adding, from the skin upwards.** All that lies below a boundary is known by its reflection P and its emission q: for the radiance d that
-//! falls on it, it sends u = P d + q upwards. At first, that is the skin. A layer is put on top, on which the radiance d' falls:
+//! **Adding, from the skin upwards.** All that lies below a boundary is known by its reflection P
+//! and its emission q: for the radiance d that falls on it, it sends u = P d + q upwards. At first,
+//! that is the skin. A layer is put on top, on which the radiance d' falls:
 //!
 //! ```text
 //! d = T↓ d' + R↓ u + s↓   and   u = P d + q,   so   u = (1 - P R↓)⁻¹ (P (T↓ d' + s↓) + q)
 //! ```
 //!
-//! at the boundary between the two. The inverse is the sum over all reflections to and fro. What lies below the layer's upper boundary sends
-//! R↑ d' + T↑ u + s↑ upwards, so its reflection and emission are
+//! at the boundary between the two. The inverse is the sum over all reflections to and fro. What
+//! lies below the layer's upper boundary sends R↑ d' + T↑ u + s↑ upwards, so its reflection and
+//! emission are
 //!
 //! ```text
 //! P' = R↑ + T↑ (1 - P R↓)⁻¹ P T↓,    q' = s↑ + T↑ (1 - P R↓)⁻¹ (P s↓ + q).
 //! ```
 //!
-//! **Back substitution, from the top downwards.** No scattered light falls on the coat from outside, so d = 0 at the top. The equations
-//! above, whose inverses are kept, then give u and d at each boundary in turn. No order of scattering is cut off.
+//! **Back substitution, from the top downwards.** No scattered light falls on the coat from
+//! outside, so d = 0 at the top. The equations above, whose inverses are kept, then give u and d at
+//! each boundary in turn. No order of scattering is cut off.
 //!
-//! **Convergence.** G K and P R↓ have no negative entries. For such a matrix A the Neumann series 1 + A + A² + ... converges if and only if
-//! 1 - A is a nonsingular M-matrix, that is, if its inverse exists and has no negative entry. If a model scatters more light than it
-//! receives, light in a deep coat may grow without bound. The linear system then still has a solution, but not one that is the sum of a
-//! series: the inverse has negative entries. This is how such coats are recognised.
+//! **Convergence.** G K and P R↓ have no negative entries. For such a matrix A the Neumann series 1
+//! + A + A² + ... converges if and only if 1 - A is a nonsingular M-matrix, that is, if its inverse
+//! exists and has no negative entry. If a model scatters more light than it receives, light in a
+//! deep coat may grow without bound. The linear system then still has a solution, but not one that
+//! is the sum of a series: the inverse has negative entries. This is how such coats are recognised.
 // [GrantHunt1969] adding and back substitution; [BermanPlemmons1994] ch. 6, nonsingular M-matrices
 
 use crate::bins::{BINS, HALF, centre, interpolate, neighbours, widths};
@@ -65,7 +74,8 @@ pub struct Layer {
 pub struct Solution {
     /// Depths of the layers' boundaries, from the top.
     depths: Vec<f64>,
-    /// Optical depths towards the lights there as the optical-depth lattice counts them: `[boundary][light]`.
+    /// Optical depths towards the lights there as the optical-depth lattice counts them:
+    /// `[boundary][light]`.
     lattice_depths: Vec<Vec<f64>>,
     /// Radiance for an irradiance of 1: `[boundary][light][bin that it arrives from]`.
     radiance: Vec<Vec<[f64; BINS]>>,
@@ -97,7 +107,8 @@ impl Layer {
     }
 }
 
-/// Where `x` lies between two of `count` increasing `values`: the index of the first and the weight of the second.
+/// Where `x` lies between two of `count` increasing `values`: the index of the first and the weight
+/// of the second.
 fn between(values: impl Fn(usize) -> f64, count: usize, x: f64) -> (usize, f64) {
     let after = (1..count - 1).find(|k| values(*k) >= x).unwrap_or(count - 1);
     let (a, b) = (values(after - 1), values(after));
@@ -128,11 +139,13 @@ impl Solution {
     }
 }
 
-/// Scattered radiance in `layers`, from the top down, on a Lambertian skin of reflectance `skin`, for directional lights of irradiance
-/// 1 whose cosines to the normal are given, all above the horizon.
+/// Scattered radiance in `layers`, from the top down, on a Lambertian skin of reflectance `skin`,
+/// for directional lights of irradiance 1 whose cosines to the normal are given, all above the
+/// horizon.
 ///
-/// Artists' lobes may send out more light than they receive. If light then grows without bound, the coat is solved again with all
-/// directional albedos limited to 1; should rounding spoil that too, the result is dark.
+/// Artists' lobes may send out more light than they receive. If light then grows without bound, the
+/// coat is solved again with all directional albedos limited to 1; should rounding spoil that too,
+/// the result is dark.
 pub fn solve(mut layers: Vec<Layer>, skin: f64, lights: &[f64]) -> Solution {
     solve_unlimited(&layers, skin, lights)
         .or_else(|| {
@@ -152,7 +165,8 @@ fn arriving_bin(stream: usize) -> usize {
     if stream < HALF { HALF - 1 - stream } else { stream }
 }
 
-/// What lies below a boundary: it sends `reflection` d + `emission` upwards for the radiance d that falls on it.
+/// What lies below a boundary: it sends `reflection` d + `emission` upwards for the radiance d that
+/// falls on it.
 struct Below {
     /// `[stream up][stream down]`
     reflection: Mat<f64>,
@@ -160,8 +174,8 @@ struct Below {
     emission: Mat<f64>,
 }
 
-/// What a layer does with radiance at its boundaries: `[stream that leaves][stream that enters]`, and for sources
-/// `[stream that leaves][light]`.
+/// What a layer does with radiance at its boundaries: `[stream that leaves][stream that enters]`,
+/// and for sources `[stream that leaves][light]`.
 struct Response {
     transmission_up: Mat<f64>,
     transmission_down: Mat<f64>,
@@ -253,14 +267,16 @@ fn beam_emission(layer: &Layer, beams: &Beams, k: usize) -> Mat<f64> {
     Mat::from_fn(BINS, beams.cosines.len(), |o, l| {
         let slant = beams.depths[k + 1][l] - beams.depths[k][l];
         let (a, b, x) = around[l];
-        // The kernel is for radiance from a whole bin; for an irradiance from one direction it is divided by the bin's solid angle.
+        // The kernel is for radiance from a whole bin; for an irradiance from one direction it is
+        // divided by the bin's solid angle.
         let of = |i: usize| kernel[leaving_bin(o)][i] / (TAU * widths[i]);
         let beam = of(a) + (of(b) - of(a)) * x;
         beam * (-beams.depths[k][l]).exp() * -(-slant).exp_m1() / slant.max(1e-12)
     })
 }
 
-/// Transmission, reflection and sources of layer `k`; `None` where scattering within it does not converge.
+/// Transmission, reflection and sources of layer `k`; `None` where scattering within it does not
+/// converge.
 fn layer_response(layer: &Layer, beams: &Beams, k: usize) -> Option<Response> {
     let op = &layer.operators;
     let lights = beams.cosines.len();
@@ -272,7 +288,8 @@ fn layer_response(layer: &Layer, beams: &Beams, k: usize) -> Option<Response> {
     let h: Vec<f64> = x.iter().map(|x| -(-x).exp_m1() / x).collect();
     let source = beam_emission(layer, beams, k);
 
-    // Mean radiance in the layer, of unit radiance that enters each stream and of each light: (1 - G K) I = [H | G s].
+    // Mean radiance in the layer, of unit radiance that enters each stream and of each light: (1 -
+    // G K) I = [H | G s].
     let g = |o: usize| (1.0 - h[o]) / sigma[o];
     let system = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) - g(o) * kernel[(o, i)]);
     let right = Mat::from_fn(BINS, BINS + lights, |o, i| match i.checked_sub(BINS) {
@@ -285,7 +302,8 @@ fn layer_response(layer: &Layer, beams: &Beams, k: usize) -> Option<Response> {
         return None;
     }
 
-    // What leaves: radiance that met no hair, and emission K I + s along the stream, (1 - exp(-x)) / σ of it.
+    // What leaves: radiance that met no hair, and emission K I + s along the stream, (1 - exp(-x))
+    // / σ of it.
     let scattered = &kernel * &mean_radiance;
     let along = |o: usize| x[o] * h[o] / sigma[o];
     let out = Mat::from_fn(BINS, BINS, |o, i| unit(o, i) * (-x[o]).exp() + along(o) * scattered[(o, i)]);
@@ -305,8 +323,8 @@ fn layer_response(layer: &Layer, beams: &Beams, k: usize) -> Option<Response> {
     })
 }
 
-/// Puts a layer on what lies `below`: what back substitution needs, and what then lies below the layer's upper boundary. `None`
-/// where light grows without bound between the two.
+/// Puts a layer on what lies `below`: what back substitution needs, and what then lies below the
+/// layer's upper boundary. `None` where light grows without bound between the two.
 fn put_on(layer: Response, below: Below) -> Option<(Eliminated, Below)> {
     let Response {
         transmission_up,
@@ -331,7 +349,8 @@ fn put_on(layer: Response, below: Below) -> Option<(Eliminated, Below)> {
 }
 
 impl Eliminated {
-    /// Radiance up and down at the layer's lower boundary, for radiance `down` at its upper one: `[stream][light]`.
+    /// Radiance up and down at the layer's lower boundary, for radiance `down` at its upper one:
+    /// `[stream][light]`.
     fn radiance_below(&self, down: &Mat<f64>) -> (Mat<f64>, Mat<f64>) {
         let through = &self.transmission_down * down + &self.source_down;
         let up = &self.bounces * (&self.below.reflection * &through + &self.below.emission);
@@ -344,13 +363,15 @@ fn unit(o: usize, i: usize) -> f64 {
     if o == i { 1.0 } else { 0.0 }
 }
 
-/// Whether a matrix that solves a system 1 - A has no negative entry but for rounding: only then does the series over A converge.
+/// Whether a matrix that solves a system 1 - A has no negative entry but for rounding: only then
+/// does the series over A converge.
 fn no_negative_entry(inverse: &Mat<f64>) -> bool {
     let entries = (0..inverse.ncols()).flat_map(|i| (0..inverse.nrows()).map(move |o| inverse[(o, i)]));
     entries.fold(f64::INFINITY, f64::min) > -1e-9
 }
 
-/// Radiance at a boundary by light and by the bin that it arrives from, from that by stream and light.
+/// Radiance at a boundary by light and by the bin that it arrives from, from that by stream and
+/// light.
 fn by_bin(up: &Mat<f64>, down: &Mat<f64>) -> Vec<[f64; BINS]> {
     (0..up.ncols())
         .map(|l| {

@@ -45,7 +45,8 @@ fn around_normal(seed: u32, light: Vec3) -> Vec3 {
     glam::Quat::from_rotation_z(std::f32::consts::TAU * random(seed, 30)) * light
 }
 
-/// Random walks from the view: radiance sent to `view` for an irradiance of 1 from `light`, all orders of scattering.
+/// Random walks from the view: radiance sent to `view` for an irradiance of 1 from `light`, all
+/// orders of scattering.
 fn monte_carlo(m: &Medium, albedo: f32, light: Vec3, view: Vec3, walks: u32) -> f64 {
     let (fibre, depth) = (&m.kinds[0].fibre, m.depth());
     let orientations = &m.kinds[0].levels[0].hairs;
@@ -124,7 +125,8 @@ fn monte_carlo(m: &Medium, albedo: f32, light: Vec3, view: Vec3, walks: u32) -> 
     sum / f64::from(walks)
 }
 
-/// The same by the adding method: light scattered once is evaluated as in the walks, the rest from the solution's bins.
+/// The same by the adding method: light scattered once is evaluated as in the walks, the rest from
+/// the solution's bins.
 fn by_adding(m: &Medium, albedo: f32, light: Vec3, view: Vec3) -> f64 {
     let (l, v) = (f64::from(light.z), f64::from(view.z));
     let (solution, op) = solved(m, albedo, l);

@@ -40,8 +40,8 @@ fn zone_integrals() -> [[f32; 4]; 2] {
 }
 
 impl Table {
-    /// Solves the transport in `medium` and tabulates it, with the response of guard hairs of model `guard`. `terms` weights light
-    /// from above and from below.
+    /// Solves the transport in `medium` and tabulates it, with the response of guard hairs of model
+    /// `guard`. `terms` weights light from above and from below.
     pub fn new(medium: &Medium, guard: &Fibre, terms: &Terms) -> Self {
         let [share, flux] = zone_integrals();
         let operators = medium.operators();
@@ -128,7 +128,8 @@ impl Solved {
 
 /// [`Table::guard`].
 fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
-    // Normals of the skin in the hair's frame, whose x is the tangent; the view lies in the plane of x and y.
+    // Normals of the skin in the hair's frame, whose x is the tangent; the view lies in the plane
+    // of x and y.
     let normals: Vec<Vec3> = (0..TILTS * TILTS)
         .map(|i| {
             let part = |k: usize| k as f32 / (TILTS - 1) as f32;
@@ -153,7 +154,8 @@ fn guard_response(fibre: &Fibre) -> Vec<[f32; 4]> {
                 };
                 if let Some(s) = fibre.sample(&hit, wo, [0, 1, 2, 3].map(random)) {
                     for (sum, normal) in sums.iter_mut().zip(&normals) {
-                        // Azimuths go from 0 to pi only: a hair's scattering is the same on both sides of the view's plane.
+                        // Azimuths go from 0 to pi only: a hair's scattering is the same on both
+                        // sides of the view's plane.
                         for n in [*normal, *normal * Vec3::new(1.0, 1.0, -1.0)] {
                             let below = usize::from(s.direction.dot(n) < 0.0);
                             sum[below] += 0.5 * s.weight.x / SAMPLES as f32;

@@ -28,7 +28,8 @@ const LEVELS: usize = 4;
 const GUARD_HAIRS: u32 = 8;
 
 impl Table {
-    /// The table for the fur of `world`, whose groom is `packed`, with the terms that the scene asks for.
+    /// The table for the fur of `world`, whose groom is `packed`, with the terms that the scene
+    /// asks for.
     pub fn of_world(world: &World, packed: &PackedGroom) -> Self {
         let multiple = &world.scene.render.multiple;
         let terms = Terms {
@@ -52,7 +53,8 @@ struct Piece {
     color: Vec3,
 }
 
-/// The mean of a world's coat over its skin. The coat's mean albedo is that of the undercoat, also where guard hairs alone grow.
+/// The mean of a world's coat over its skin. The coat's mean albedo is that of the undercoat, also
+/// where guard hairs alone grow.
 pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     let samples = SkinSamples::new(world, packed);
     let (fur, scene) = (&packed.undercoat, &world.scene);
@@ -156,8 +158,8 @@ fn undercoat_levels(packed: &PackedGroom) -> Vec<HeightLevel> {
         .collect()
 }
 
-/// The undercoat's part of each slice, where it is `height` cm high and the longest hairs reach up to `top`. `power` is
-/// [`Part::power`] at a relative height.
+/// The undercoat's part of each slice, where it is `height` cm high and the longest hairs reach up
+/// to `top`. `power` is [`Part::power`] at a relative height.
 fn undercoat_parts(
     world: &World,
     samples: &SkinSamples,
@@ -242,7 +244,8 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     pieces
 }
 
-/// Directions of guard hairs at levels, from the top down, and their part of each slice. `power` is [`Part::power`] of a colour.
+/// Directions of guard hairs at levels, from the top down, and their part of each slice. `power` is
+/// [`Part::power`] of a colour.
 fn guard_parts(
     mut pieces: Vec<Piece>,
     top: f32,
@@ -250,7 +253,8 @@ fn guard_parts(
 ) -> (Vec<HeightLevel>, Vec<Part>) {
     pieces.sort_by(|a, b| b.height.total_cmp(&a.height));
     let whole: f32 = pieces.iter().map(|p| p.depth).sum();
-    // Each level represents an equal share of the depth, by as many hairs, drawn in proportion to their depth.
+    // Each level represents an equal share of the depth, by as many hairs, drawn in proportion to
+    // their depth.
     let per_level = 256;
     let mut levels = vec![Vec::new(); LEVELS];
     let mut heights = [0.0; LEVELS];
@@ -292,7 +296,8 @@ fn guard_parts(
             power: power(*color / depth.max(1e-12)),
         })
         .collect();
-    // The optical-depth lattice does not keep the directions of guard hairs: it takes the mean sine of the angle to a ray.
+    // The optical-depth lattice does not keep the directions of guard hairs: it takes the mean sine
+    // of the angle to a ray.
     let lattice_extinction = Some([f64::from(FRAC_PI_4); BINS]);
     (levels.into_iter().map(|hairs| HeightLevel { hairs, lattice_extinction }).collect(), parts)
 }

@@ -8,14 +8,16 @@ use crate::{Error, Result, Scene};
 use glam::{Quat, Vec3};
 use rayon::prelude::*;
 
-/// A premultiplied pixel `front` over a premultiplied pixel `back`, both `[r g b a]`. All images are blended by this function.
+/// A premultiplied pixel `front` over a premultiplied pixel `back`, both `[r g b a]`. All images
+/// are blended by this function.
 // [PorterDuff1984] over
 pub fn over(front: [f32; 4], back: [f32; 4]) -> [f32; 4] {
     let through = 1.0 - front[3];
     std::array::from_fn(|c| front[c] + through * back[c])
 }
 
-/// A background with its files loaded. Load it before rendering, so that a missing file is reported early.
+/// A background with its files loaded. Load it before rendering, so that a missing file is reported
+/// early.
 #[derive(Debug, Clone)]
 pub enum Backdrop {
     /// None; alpha is kept.
@@ -41,8 +43,9 @@ impl Backdrop {
     /// Loads the background of `scene.film.background`.
     ///
     /// # Errors
-    /// [`Error::Scene`] if a plate or map is missing or damaged, if the background is `environment` but the scene has
-    /// none or has `environment.visible = false`, or if the camera has no valid view.
+    /// [`Error::Scene`] if a plate or map is missing or damaged, if the background is `environment`
+    /// but the scene has none or has `environment.visible = false`, or if the camera has no valid
+    /// view.
     pub fn load(scene: &Scene, assets: &Assets) -> Result<Self> {
         match scene.film.background {
             Background::Transparent => Ok(Self::Transparent),
@@ -96,7 +99,8 @@ impl Backdrop {
         }
     }
 
-    /// The background as premultiplied pixels of a film of `width` x `height`; `None` if it is transparent.
+    /// The background as premultiplied pixels of a film of `width` x `height`; `None` if it is
+    /// transparent.
     ///
     /// # Errors
     /// [`Error::Scene`] if the camera has no valid view.
@@ -129,10 +133,11 @@ impl Backdrop {
         })
     }
 
-    /// Composites the film over the background: `R G B A` change, and alpha becomes 1 with an opaque background.
+    /// Composites the film over the background: `R G B A` change, and alpha becomes 1 with an
+    /// opaque background.
     ///
-    /// If the film has contribution planes (`base.R` ...), planes `background.R G B` are added, so that they still add up
-    /// to `R G B`.
+    /// If the film has contribution planes (`base.R` ...), planes `background.R G B` are added, so
+    /// that they still add up to `R G B`.
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the film lacks a plane, else as [`Backdrop::pixels`].

@@ -1,17 +1,18 @@
 //! Depth of field as a post-process.
 //!
-//! Every pixel becomes a disc, its circle of confusion. A pixel gathers its neighbours in three classes by their signed
-//! circle of confusion, which grows with depth:
+//! Every pixel becomes a disc, its circle of confusion. A pixel gathers its neighbours in three
+//! classes by their signed circle of confusion, which grows with depth:
 //!
-//! * **front** (nearer by more than a pixel of blur): counts where its own disc covers the pixel. Out-of-focus things
-//!   in front bleed over sharp ones.
+//! * **front** (nearer by more than a pixel of blur): counts where its own disc covers the pixel.
+//!   Out-of-focus things in front bleed over sharp ones.
 //! * **same** (within a pixel of blur): counts where its own disc covers the pixel.
-//! * **behind**: fills what the `same` class leaves uncovered, as far as the pixel's own disc reaches. The disc of a sharp pixel
-//!   reaches no neighbour, so that nothing behind bleeds over it.
+//! * **behind**: fills what the `same` class leaves uncovered, as far as the pixel's own disc
+//!   reaches. The disc of a sharp pixel reaches no neighbour, so that nothing behind bleeds over
+//!   it.
 //!
-//! With F, S and the coverages f, s the sums of front and same (each neighbour weighted by 1 / area of its disc) and
-//! B the mean of behind: `F + (1 - f) (S + (1 - s) B)`. Coverages above 1 are scaled to 1; where nothing lies behind,
-//! S is scaled to full coverage.
+//! With F, S and the coverages f, s the sums of front and same (each neighbour weighted by 1 / area
+//! of its disc) and B the mean of behind: `F + (1 - f) (S + (1 - s) B)`. Coverages above 1 are
+//! scaled to 1; where nothing lies behind, S is scaled to full coverage.
 
 use super::Film;
 use crate::scene::{Camera, LensMethod};
@@ -30,20 +31,21 @@ const BLOCK: usize = 16;
 
 /// Signed diameter of the circle of confusion, pixels: positive behind the plane in focus.
 ///
-/// `aperture` is the diameter of the lens, `z` the depth and `focus` the distance of the plane in focus, cm;
-/// `focal_pixels` is film height / (2 tan(fov / 2)).
+/// `aperture` is the diameter of the lens, `z` the depth and `focus` the distance of the plane in
+/// focus, cm; `focal_pixels` is film height / (2 tan(fov / 2)).
 // [Potmesil1981], thin lens
 pub fn circle_of_confusion(aperture: f32, focus: f32, focal_pixels: f32, z: f32) -> f32 {
     let scale = aperture * focal_pixels / focus;
     if z.is_finite() { scale * (z - focus) / z.max(1e-6) } else { scale }
 }
 
-/// Blurs `R G B A` and all planes whose names end in `.R`, `.G`, `.B` or `.A`, all premultiplied, by the depths in
-/// `depth.Z`. Does nothing for a camera without a lens or with one whose method is not `post`. Several threads; the
-/// result does not depend on their number.
+/// Blurs `R G B A` and all planes whose names end in `.R`, `.G`, `.B` or `.A`, all premultiplied,
+/// by the depths in `depth.Z`. Does nothing for a camera without a lens or with one whose method is
+/// not `post`. Several threads; the result does not depend on their number.
 ///
 /// # Errors
-/// [`Error::Unsupported`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera are out of range.
+/// [`Error::Unsupported`] if the film has no `depth.Z`; [`Error::Scene`] if lens or camera are out
+/// of range.
 pub fn apply(film: &mut Film, camera: &Camera) -> Result<()> {
     let Some(lens) = camera.lens.as_ref().filter(|lens| lens.method == LensMethod::Post) else {
         return Ok(());

@@ -21,9 +21,11 @@ use std::{
 /// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
 
-/// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film and `meta` alone.
+/// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film
+/// and `meta` alone.
 ///
-/// Finite values beyond the range of half are clamped to it (65504); write them with `full_precision` to keep them.
+/// Finite values beyond the range of half are clamped to it (65504); write them with
+/// `full_precision` to keep them.
 pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<(), Failure> {
     let channels = film.planes.par_iter().map(|plane| {
         let samples = if plane.full_precision {
@@ -73,7 +75,8 @@ fn half_of(value: f32) -> f16 {
 /// Sorts the attributes of a single-part file by name: the exr crate keeps them in a hash map,
 /// whose order differs from run to run.
 fn sort_attributes(file: &mut File) -> Result<(), Failure> {
-    // Magic number and version flags; then name, type, length and value of each attribute; then a zero byte.
+    // Magic number and version flags; then name, type, length and value of each attribute; then a
+    // zero byte.
     file.seek(SeekFrom::Start(8))?;
     let mut input = BufReader::new(&mut *file);
     let mut attributes: Vec<Vec<u8>> = Vec::new();

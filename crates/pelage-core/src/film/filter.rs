@@ -1,7 +1,8 @@
 //! Reconstruction filters: how samples become pixels.
 //!
-//! All filters are separable, so a pixel is gathered with one vector of weights, used along x and along y:
-//! `pixel = sum_j sum_i w[j] w[i] sample[j][i]`. The weights add up to one, so no division follows.
+//! All filters are separable, so a pixel is gathered with one vector of weights, used along x and
+//! along y: `pixel = sum_j sum_i w[j] w[i] sample[j][i]`. The weights add up to one, so no division
+//! follows.
 
 use crate::scene::Filter;
 use crate::{Error, Result};
@@ -16,13 +17,13 @@ pub fn usual_radius(filter: Filter) -> f32 {
     }
 }
 
-/// Weight of a sample at (x, y) pixels from the pixel's centre, not normalised; zero outside the square of half
-/// width `radius`.
+/// Weight of a sample at (x, y) pixels from the pixel's centre, not normalised; zero outside the
+/// square of half width `radius`.
 ///
 /// * box: 1.
 /// * triangle: `(r - |x|) (r - |y|)`.
-/// * gaussian: `g(x) g(y)`, `g(x) = exp(-x²/2σ²) - exp(-r²/2σ²)`, σ = 0.5 pixels at the usual radius of 1.5 and in
-///   proportion at others.
+/// * gaussian: `g(x) g(y)`, `g(x) = exp(-x²/2σ²) - exp(-r²/2σ²)`, σ = 0.5 pixels at the usual
+///   radius of 1.5 and in proportion at others.
 // [Pharr2023] sec. 8.8
 /// * mitchell: B = C = 1/3, stretched to the radius; it has negative lobes.
 // [MitchellNetravali1988] eq. 8
@@ -66,12 +67,13 @@ pub fn weight_1d(filter: Filter, radius: f64, x: f64) -> f64 {
 
 /// Weights along one axis for a grid of `k` samples per pixel and axis: `(margin, weights)`.
 ///
-/// Sample `j` of a pixel (`0..k`) lies at `(j + 0.5) / k - 0.5` pixels from its centre. `margin` samples of the
-/// neighbours count on each side, so `weights` has `k + 2 margin` values and `weights[i]` belongs to sample
-/// `i - margin`: in a film-wide row of samples, pixel `p` gathers `p k - margin .. (p + 1) k + margin`.
+/// Sample `j` of a pixel (`0..k`) lies at `(j + 0.5) / k - 0.5` pixels from its centre. `margin`
+/// samples of the neighbours count on each side, so `weights` has `k + 2 margin` values and
+/// `weights[i]` belongs to sample `i - margin`: in a film-wide row of samples, pixel `p` gathers
+/// `p k - margin .. (p + 1) k + margin`.
 ///
-/// The weights are symmetric multiples of 2^-22 that add up to exactly 1, in f32 and in any order of summation, so
-/// that a constant image stays exactly constant where no neighbour is missing.
+/// The weights are symmetric multiples of 2^-22 that add up to exactly 1, in f32 and in any order
+/// of summation, so that a constant image stays exactly constant where no neighbour is missing.
 ///
 /// # Errors
 /// [`Error::Usage`] if `k` is not 1..=64 or `radius` (pixels) is not in (0, 16].
@@ -99,12 +101,14 @@ pub fn sample_weights(filter: Filter, radius: f32, k: u32) -> Result<(u32, Vec<f
     Ok((margin, normalised(&raw)))
 }
 
-/// Scales symmetric weights to integers that add up to 2^22, then to floats. No weight changes by more than two units.
+/// Scales symmetric weights to integers that add up to 2^22, then to floats. No weight changes by
+/// more than two units.
 fn normalised(raw: &[f64]) -> Vec<f32> {
     const ONE: i64 = 1 << 22;
     let (count, sum) = (raw.len(), raw.iter().sum::<f64>());
     let mut parts: Vec<i64> = raw.iter().map(|w| (w / sum * ONE as f64).round() as i64).collect();
-    // The remainder is at most half a unit per weight: it is distributed from the middle outwards, in pairs, one unit each.
+    // The remainder is at most half a unit per weight: it is distributed from the middle outwards,
+    // in pairs, one unit each.
     let mut rest = ONE - parts.iter().sum::<i64>();
     let unit = rest.signum();
     if rest % 2 != 0 {

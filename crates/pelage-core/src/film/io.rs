@@ -43,12 +43,13 @@ fn wrong_usage(path: &Path, message: &str) -> Error {
     Error::Usage(format!("{}: {message}", path.display()))
 }
 
-/// Writes `film` to `path`: all planes, linear, as EXR; or `R G B A` as 8-bit sRGB PNG through exposure and tone
-/// mapping of `spec`. The file appears complete or not at all; an old one stays if writing fails.
+/// Writes `film` to `path`: all planes, linear, as EXR; or `R G B A` as 8-bit sRGB PNG through
+/// exposure and tone mapping of `spec`. The file appears complete or not at all; an old one stays
+/// if writing fails.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown extension, [`Error::Unsupported`] for a film with missing planes, [`Error::Io`] if the
-/// file cannot be written.
+/// [`Error::Usage`] for an unknown extension, [`Error::Unsupported`] for a film with missing
+/// planes, [`Error::Io`] if the file cannot be written.
 pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSpec) -> Result<()> {
     let path = path.as_ref();
     let format = Format::to_write(path)?;
@@ -62,8 +63,8 @@ pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSp
     }
 }
 
-/// Checks before a rendering that `path` can be written after it: its extension is known, and as [`crate::files::check_target`]. Leaves
-/// nothing behind.
+/// Checks before a rendering that `path` can be written after it: its extension is known, and as
+/// [`crate::files::check_target`]. Leaves nothing behind.
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown extension, [`Error::Io`] for the rest.
@@ -75,17 +76,19 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
 
 /// Reads an image as a film: linear, premultiplied, at least `R G B A`.
 ///
-/// * EXR: all channels of all parts; channels of a named part are called `part.channel` where there are several
-///   parts. `Y` alone becomes grey. Half channels become planes without `full_precision`.
+/// * EXR: all channels of all parts; channels of a named part are called `part.channel` where there
+///   are several parts. `Y` alone becomes grey. Half channels become planes without
+///   `full_precision`.
 /// * PNG: sRGB is decoded, straight alpha becomes premultiplied.
 /// * HDR (Radiance): RGBE.
 ///
 /// A missing alpha is 1 everywhere.
 ///
 /// # Errors
-/// [`Error::Usage`] for an unknown extension; [`Error::Io`] with the file name for a missing, truncated or damaged
-/// file, for one whose header claims more than [`MAX_PIXELS`] or [`MAX_VALUES`], and for what is not supported:
-/// deep data, subsampled channels, a data window other than the display window, HDR orientations other than -Y +X.
+/// [`Error::Usage`] for an unknown extension; [`Error::Io`] with the file name for a missing,
+/// truncated or damaged file, for one whose header claims more than [`MAX_PIXELS`] or
+/// [`MAX_VALUES`], and for what is not supported: deep data, subsampled channels, a data window
+/// other than the display window, HDR orientations other than -Y +X.
 pub fn read(path: impl AsRef<Path>) -> Result<Film> {
     let path = path.as_ref();
     let format = Format::to_read(path).map_err(|m| wrong_usage(path, &m))?;
@@ -116,8 +119,9 @@ fn as_scene_fault(error: Error) -> Error {
     }
 }
 
-/// Reads an image that a scene names, with straight alpha. As a `color`, a PNG is decoded from sRGB and premultiplied formats are divided
-/// by alpha; otherwise the values are as the file has them, those of a PNG scaled to 0..1.
+/// Reads an image that a scene names, with straight alpha. As a `color`, a PNG is decoded from sRGB
+/// and premultiplied formats are divided by alpha; otherwise the values are as the file has them,
+/// those of a PNG scaled to 0..1.
 ///
 /// # Errors
 /// As [`read_asset`].
@@ -149,7 +153,8 @@ pub fn read_metadata(path: impl AsRef<Path>) -> Result<Metadata> {
     })
 }
 
-/// Opens `path` and runs a decoder on it. Decoders read untrusted bytes: a panic inside one becomes an error.
+/// Opens `path` and runs a decoder on it. Decoders read untrusted bytes: a panic inside one becomes
+/// an error.
 fn decode<T>(
     path: &Path,
     decoder: impl FnOnce(&mut BufReader<File>, u64) -> Result<T, Failure>,

@@ -2,11 +2,12 @@
 
 use crate::files::Failure;
 
-/// Largest number of pixels of an image that is read: 16,384 x 16,384. Checked against the header before anything
-/// is allocated.
+/// Largest number of pixels of an image that is read: 16,384 x 16,384. Checked against the header
+/// before anything is allocated.
 pub const MAX_PIXELS: u64 = 1 << 28;
 
-/// Largest number of values (pixels times channels) of an image that is read: 4 GiB as 32-bit floats.
+/// Largest number of values (pixels times channels) of an image that is read: 4 GiB as 32-bit
+/// floats.
 pub const MAX_VALUES: u64 = 1 << 30;
 
 /// Width, height and RGBA texels row by row from the top, with straight alpha.

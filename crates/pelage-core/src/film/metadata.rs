@@ -5,8 +5,8 @@ use sha2::{Digest, Sha256};
 
 /// Entries that are written into EXR attributes and PNG text chunks, each under `pelage.KEY`.
 ///
-/// Keys are short ASCII words; values are UTF-8 text of any length. Times differ between runs: for reproducible files, leave
-/// [`Metadata::with_stats`] out.
+/// Keys are short ASCII words; values are UTF-8 text of any length. Times differ between runs: for
+/// reproducible files, leave [`Metadata::with_stats`] out.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Metadata {
     /// Key and value, in order.
@@ -14,8 +14,8 @@ pub struct Metadata {
 }
 
 impl Metadata {
-    /// `version` of the program and the `commit` it was built from (the environment variable PELAGE_COMMIT at build
-    /// time, or `unknown`).
+    /// `version` of the program and the `commit` it was built from (the environment variable
+    /// PELAGE_COMMIT at build time, or `unknown`).
     pub fn of_program() -> Self {
         Self::default()
             .with("version", env!("CARGO_PKG_VERSION"))
@@ -46,7 +46,8 @@ impl Metadata {
         self.with("adapter", adapter).with("driver", driver)
     }
 
-    /// `command_line`: the program without its folder, then the arguments, those with blanks in double quotes.
+    /// `command_line`: the program without its folder, then the arguments, those with blanks in
+    /// double quotes.
     pub fn with_command_line<S: AsRef<str>>(self, arguments: impl IntoIterator<Item = S>) -> Self {
         let quoted = |(i, argument): (usize, S)| {
             let mut argument = argument.as_ref();
@@ -64,8 +65,8 @@ impl Metadata {
         self.with("command_line", words.join(" "))
     }
 
-    /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` for each pass, `n/a` where the
-    /// adapter has no timestamps.
+    /// Adapter and driver of a rendering, `total_ms`, and `pass_ms`: one line `PASS MS` for each
+    /// pass, `n/a` where the adapter has no timestamps.
     pub fn with_stats(self, stats: &Stats) -> Self {
         let passes = stats
             .passes

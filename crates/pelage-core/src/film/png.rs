@@ -18,8 +18,8 @@ use std::{
 /// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
 
-/// Encodes premultiplied linear pixels: straight colour through exposure, tone mapping and sRGB, with straight alpha, which is left out if
-/// it is 1 everywhere.
+/// Encodes premultiplied linear pixels: straight colour through exposure, tone mapping and sRGB,
+/// with straight alpha, which is left out if it is 1 everywhere.
 pub(super) fn encode(
     width: u32,
     height: u32,
@@ -59,14 +59,16 @@ pub(super) fn encode(
     Ok(writer.finish()?)
 }
 
-/// Limit of the memory that `image` may allocate, bytes: that of the largest image that is read, with 16 bits per channel.
+/// Limit of the memory that `image` may allocate, bytes: that of the largest image that is read,
+/// with 16 bits per channel.
 pub(super) fn limits() -> image::Limits {
     let mut limits = image::Limits::no_limits();
     limits.max_alloc = Some(MAX_PIXELS * 16 + (64 << 20));
     limits
 }
 
-/// Decodes a PNG of any colour type to texels with straight alpha; colours, if it holds any, from sRGB.
+/// Decodes a PNG of any colour type to texels with straight alpha; colours, if it holds any, from
+/// sRGB.
 pub(super) fn decode_texels(input: &mut BufReader<File>, color: bool) -> Result<Texels, Failure> {
     use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
     let decoder = PngDecoder::with_limits(input, limits())?;

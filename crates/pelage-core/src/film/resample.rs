@@ -2,9 +2,9 @@
 
 use rayon::prelude::*;
 
-/// Scales `source` (premultiplied linear pixels row by row; `size`: width and height) so that it covers `to`. The aspect ratio is kept; excess
-/// is cropped equally on both sides. Tent filter, as wide as a source pixel when enlarging and as a target pixel when shrinking; edge
-/// pixels repeat.
+/// Scales `source` (premultiplied linear pixels row by row; `size`: width and height) so that it
+/// covers `to`. The aspect ratio is kept; excess is cropped equally on both sides. Tent filter, as
+/// wide as a source pixel when enlarging and as a target pixel when shrinking; edge pixels repeat.
 ///
 /// If both sizes are the same, so are the pixels. Both sizes are at least 1 x 1.
 pub fn cover(source: &[[f32; 4]], size: [usize; 2], to: [usize; 2]) -> Vec<[f32; 4]> {
@@ -33,7 +33,8 @@ fn weighted(taps: &[(usize, f32)], at: impl Fn(usize) -> [f32; 4]) -> [f32; 4] {
     })
 }
 
-/// Source indices and weights of each target pixel along one axis; `scale` is source pixels per target pixel.
+/// Source indices and weights of each target pixel along one axis; `scale` is source pixels per
+/// target pixel.
 fn taps(size: usize, to: usize, scale: f64) -> Vec<Vec<(usize, f32)>> {
     let start = (size as f64 - to as f64 * scale) / 2.0;
     let radius = scale.max(1.0);

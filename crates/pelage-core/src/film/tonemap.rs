@@ -28,7 +28,8 @@ pub fn srgb_decode(code: f32) -> f32 {
     if x <= 0.040_45 { x / 12.92 } else { ((x + 0.055) / 1.055).powf(2.4) }
 }
 
-/// Maps exposed linear Rec. 709 colour to display-linear colour in 0..1. Negative and NaN inputs count as 0.
+/// Maps exposed linear Rec. 709 colour to display-linear colour in 0..1. Negative and NaN inputs
+/// count as 0.
 ///
 /// * `none` clamps.
 /// * `neutral`: Khronos PBR neutral.
@@ -46,7 +47,8 @@ pub fn tone_map(kind: Tonemap, rgb: Vec3) -> Vec3 {
     mapped.clamp(Vec3::ZERO, Vec3::ONE)
 }
 
-/// 8-bit sRGB code values of straight (not premultiplied) linear colour: exposure in stops, tone mapping, encoding.
+/// 8-bit sRGB code values of straight (not premultiplied) linear colour: exposure in stops, tone
+/// mapping, encoding.
 pub fn display_rgb8(straight: Vec3, spec: &FilmSpec) -> [u8; 3] {
     let display = tone_map(spec.tonemap, straight * spec.exposure.exp2());
     display.to_array().map(|v| (srgb_encode(v) * 255.0).round() as u8)
@@ -84,10 +86,11 @@ fn aces(rgb: Vec3) -> Vec3 {
     Vec3::from(rgb.to_array().map(curve))
 }
 
-/// AgX: inset matrix, log2 encoding from -12.47393 to 4.026069 stops, sigmoid, outset matrix, display exponent.
+/// AgX: inset matrix, log2 encoding from -12.47393 to 4.026069 stops, sigmoid, outset matrix,
+/// display exponent.
 ///
-/// The sigmoid is Sobotka's own (slope 2 at the pivot, powers 3 and 3.25) and not a polynomial fit of it; the
-/// outset is the inverse of the inset.
+/// The sigmoid is Sobotka's own (slope 2 at the pivot, powers 3 and 3.25) and not a polynomial fit
+/// of it; the outset is the inverse of the inset.
 fn agx(rgb: Vec3) -> Vec3 {
     const MIN_EV: f64 = -12.473_931_188_332_413;
     const MAX_EV: f64 = 4.026_068_811_667_588;

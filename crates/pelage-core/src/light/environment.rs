@@ -1,7 +1,8 @@
 //! Equirectangular environment maps and their conversion to a few directional lights.
 //!
-//! Convention: the centre column of the map looks to -Z, columns to the right of it towards +X, the top row to +Y.
-//! `environment.rotate` turns the map about +Y, counter-clockwise seen from above (right-handed).
+//! Convention: the centre column of the map looks to -Z, columns to the right of it towards +X, the
+//! top row to +Y. `environment.rotate` turns the map about +Y, counter-clockwise seen from above
+//! (right-handed).
 
 use super::Light;
 use crate::film::tonemap::luminance;
@@ -30,8 +31,8 @@ impl Panorama {
     /// Reads an HDR, EXR or PNG file.
     ///
     /// # Errors
-    /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds values that are not
-    /// finite; [`Error::Usage`] for an unknown extension.
+    /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds
+    /// values that are not finite; [`Error::Usage`] for an unknown extension.
     pub fn load(path: &Path) -> Result<Self> {
         let film = io::read_asset(path)?;
         Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
@@ -61,8 +62,8 @@ impl Panorama {
         Ok(Self { width: film.width as usize, height: film.height as usize, texels })
     }
 
-    /// Radiance that comes from `direction` (map space, any length), bilinear between texel centres; wraps around
-    /// the horizon, clamps at the poles.
+    /// Radiance that comes from `direction` (map space, any length), bilinear between texel
+    /// centres; wraps around the horizon, clamps at the poles.
     pub fn radiance(&self, direction: Vec3) -> Vec3 {
         let [x, y] = self.texel_of(direction.as_dvec3());
         let (x, y) = (x - 0.5, y - 0.5);
@@ -107,7 +108,8 @@ impl Panorama {
     }
 }
 
-/// Three degrees, less than the width of hairs' highlights: closer lights would look like one on the fur.
+/// Three degrees, less than the width of hairs' highlights: closer lights would look like one on
+/// the fur.
 const SMALLEST_ANGLE: f64 = PI / 60.0;
 
 /// A rectangle of texels, ends exclusive.
@@ -218,7 +220,8 @@ impl<'a> Sphere<'a> {
     }
 }
 
-/// Merges lights that are closer than [`SMALLEST_ANGLE`], starting with the brightest; omits dark ones.
+/// Merges lights that are closer than [`SMALLEST_ANGLE`], starting with the brightest; omits dark
+/// ones.
 fn merged(regions: &[(Region, Sums)]) -> Vec<Sums> {
     let mut sorted: Vec<&Sums> =
         regions.iter().map(|(_, sums)| sums).filter(|sums| sums.irradiance.max_element() > 0.0).collect();
@@ -238,15 +241,17 @@ fn merged(regions: &[(Region, Sums)]) -> Vec<Sums> {
     result
 }
 
-/// Converts a map to at most `n` directional lights (map space) that have its energy in each channel.
+/// Converts a map to at most `n` directional lights (map space) that have its energy in each
+/// channel.
 ///
-/// The region with the most energy is split across its longer side where its energy halves, until there are `n`
-/// lights; each is the energy-weighted centroid of its region's directions. Debevec (2005) splits all regions of a
-/// level instead, which allows powers of two only. There are fewer lights than `n` where the map has no more to
-/// distinguish: a dark region gives none.
+/// The region with the most energy is split across its longer side where its energy halves, until
+/// there are `n` lights; each is the energy-weighted centroid of its region's directions. Debevec
+/// (2005) splits all regions of a level instead, which allows powers of two only. There are fewer
+/// lights than `n` where the map has no more to distinguish: a dark region gives none.
 // [Debevec2005]
-// DEVIATION: [Debevec2005] splits down to the texel and keeps all lights, so that a sun, through which every cut
-// goes, takes most of them. Here lights closer than three degrees are one, and the others get its share of splits.
+// DEVIATION: [Debevec2005] splits down to the texel and keeps all lights, so that a sun, through
+// which every cut goes, takes most of them. Here lights closer than three degrees are one, and the
+// others get its share of splits.
 pub fn median_cut(panorama: &Panorama, n: u32) -> Vec<Light> {
     if n == 0 {
         return Vec::new();
@@ -280,8 +285,8 @@ pub fn median_cut(panorama: &Panorama, n: u32) -> Vec<Light> {
     lights.iter().map(light).collect()
 }
 
-/// `n` lights of equal solid angle, spread over the sphere (a Fibonacci spiral), for a sky of the same `radiance`
-/// everywhere; together they give 4 pi times the radiance.
+/// `n` lights of equal solid angle, spread over the sphere (a Fibonacci spiral), for a sky of the
+/// same `radiance` everywhere; together they give 4 pi times the radiance.
 // [Swinbank2006]
 pub fn uniform_sky(radiance: Vec3, n: u32) -> Vec<Light> {
     let golden_angle = PI * (3.0 - 5f64.sqrt());

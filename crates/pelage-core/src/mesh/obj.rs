@@ -1,5 +1,6 @@
-//! Reads OBJ files. tobj does the parsing, but it knows no line numbers, fails on things that OBJ files may hold, and invents missing
-//! indices. So the text is scanned first, every fault is reported with its line, and tobj gets a clean copy.
+//! Reads OBJ files. tobj does the parsing, but it knows no line numbers, fails on things that OBJ
+//! files may hold, and invents missing indices. So the text is scanned first, every fault is
+//! reported with its line, and tobj gets a clean copy.
 
 mod polygon;
 mod statements;
@@ -37,8 +38,8 @@ fn estimated_bytes(text: u64, count: &Count) -> u64 {
 /// Reads an OBJ file. Positions keep the file's units.
 ///
 /// # Errors
-/// [`Error::Io`] where the file cannot be read; [`Error::Scene`] with file and line for every fault of the text,
-/// for a file without faces and for one beyond `Limits::default()`.
+/// [`Error::Io`] where the file cannot be read; [`Error::Scene`] with file and line for every fault
+/// of the text, for a file without faces and for one beyond `Limits::default()`.
 pub fn read(path: &Path) -> Result<Mesh> {
     let limits = Limits::default();
     let size = std::fs::metadata(path).map_err(|e| Error::io(path, e))?.len();
@@ -90,7 +91,8 @@ fn too_large(file: &Path, message: String) -> Error {
     }])
 }
 
-/// Counts of a file's statements, taken before it is parsed: relative indices, missing uv and memory depend on them.
+/// Counts of a file's statements, taken before it is parsed: relative indices, missing uv and
+/// memory depend on them.
 #[derive(Debug, Default)]
 struct Count {
     positions: u64,
@@ -150,7 +152,8 @@ struct Clean {
 /// Largest number of faults that are reported for a file; further ones are counted.
 const MAX_FAULTS: usize = 10;
 
-/// The scan: checks each statement and rewrites it for tobj, with absolute indices and without what is not used.
+/// The scan: checks each statement and rewrites it for tobj, with absolute indices and without what
+/// is not used.
 struct Scan<'a> {
     file: &'a Path,
     count: &'a Count,
@@ -324,8 +327,8 @@ fn integer(word: &[u8]) -> Result<i64, String> {
     parsed.ok_or_else(|| format!("found the index `{}`, expected an integer", shown(word)))
 }
 
-/// An index from 1. A negative one counts back from the last of the `so_far` elements above the face; a positive one
-/// may refer to a later element.
+/// An index from 1. A negative one counts back from the last of the `so_far` elements above the
+/// face; a positive one may refer to a later element.
 fn index(word: &[u8], so_far: u64, total: u64, what: &str) -> Result<u64, String> {
     let found = integer(word)?;
     let resolved = if found < 0 { found.saturating_add_unsigned(so_far).saturating_add(1) } else { found };
@@ -374,7 +377,8 @@ fn mesh_of(clean: &Clean, file: &Path, count: &Count) -> Result<Mesh> {
                 key.sort_unstable();
                 seen.insert(key)
             };
-            // Two quads may share two sides; cut between the same corners, both would contain the same triangle.
+            // Two quads may share two sides; cut between the same corners, both would contain the
+            // same triangle.
             if !cuts.iter().all(&mut is_new) && arity == 4 && cut == polygon::Cut::Fan {
                 cuts = vec![[1, 2, 3], [1, 3, 0]];
                 cuts.iter().for_each(|t| {

@@ -1,6 +1,8 @@
-//! From a soup of triangles to a skin: triangles that cannot carry fur are dropped, the rest is welded, wound outwards and given normals.
+//! From a soup of triangles to a skin: triangles that cannot carry fur are dropped, the rest is
+//! welded, wound outwards and given normals.
 //!
-//! Geometry is computed in f64, so that it neither overflows nor underflows, whatever the file's scale.
+//! Geometry is computed in f64, so that it neither overflows nor underflows, whatever the file's
+//! scale.
 
 use super::{
     Mesh,
@@ -10,12 +12,12 @@ use crate::Skin;
 use glam::{DVec3, Vec3};
 use std::collections::{HashMap, HashSet};
 
-/// A triangle counts as having no area if its height is at most this fraction of its longest side: with f32 corners,
-/// its normal would be rounding noise.
+/// A triangle counts as having no area if its height is at most this fraction of its longest side:
+/// with f32 corners, its normal would be rounding noise.
 const MIN_HEIGHT: f64 = 1e-7;
 
-/// Makes `mesh` a skin. The second part lists what was repaired or could not be, each with its count. The
-/// skin's notes hold the mesh's notes and that list.
+/// Makes `mesh` a skin. The second part lists what was repaired or could not be, each with its
+/// count. The skin's notes hold the mesh's notes and that list.
 pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
     let mut repairs = std::mem::take(&mut mesh.repairs);
     let mut report = |n: usize, what: &str| {
@@ -88,10 +90,11 @@ fn keep(mesh: &mut Mesh, mut wanted: impl FnMut([u32; 3], &[Vec3]) -> bool) -> u
     kept.iter().filter(|k| !**k).count()
 }
 
-/// Gives triangles with corners at exactly the same position the same vertex; returns how many used vertices were
-/// joined to others. Colours of welded vertices are averaged.
+/// Gives triangles with corners at exactly the same position the same vertex; returns how many used
+/// vertices were joined to others. Colours of welded vertices are averaged.
 ///
-/// Positions that are merely close stay separate: no distance is safe for every mesh (ears and claws are thin).
+/// Positions that are merely close stay separate: no distance is safe for every mesh (ears and
+/// claws are thin).
 fn weld(mesh: &mut Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|i| used[*i as usize] = true);
@@ -145,8 +148,9 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
     before - next
 }
 
-/// Winds each part of the mesh consistently: closed parts outwards (positive volume), open ones as most of their triangles are wound.
-/// Returns how many triangles were turned over. One-sided surfaces keep a seam of opposite winding.
+/// Winds each part of the mesh consistently: closed parts outwards (positive volume), open ones as
+/// most of their triangles are wound. Returns how many triangles were turned over. One-sided
+/// surfaces keep a seam of opposite winding.
 fn orient(mesh: &mut Mesh) -> usize {
     let count = mesh.triangles.len();
     // The neighbour, and whether both run along the common edge in the same direction.
@@ -236,8 +240,9 @@ fn components(mesh: &Mesh) -> usize {
     parts
 }
 
-/// Unit normals, one per vertex: the sum of the triangle normals, each weighted by the triangle's angle at the vertex
-/// (Thürmer and Wüthrich 1998). Where they cancel, the normal of the largest triangle at the vertex; +y without any.
+/// Unit normals, one per vertex: the sum of the triangle normals, each weighted by the triangle's
+/// angle at the vertex (Thürmer and Wüthrich 1998). Where they cancel, the normal of the largest
+/// triangle at the vertex; +y without any.
 pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3> {
     let mut sums = vec![DVec3::ZERO; positions.len()];
     let mut largest = vec![DVec3::ZERO; positions.len()];
@@ -258,7 +263,8 @@ pub fn smoothed_normals(positions: &[Vec3], triangles: &[[u32; 3]]) -> Vec<Vec3>
     sums.iter()
         .zip(&largest)
         .map(|(sum, largest)| {
-            // The angles' sum is of order 1: a length below 1e-4 means that directions cancel each other.
+            // The angles' sum is of order 1: a length below 1e-4 means that directions cancel each
+            // other.
             let sum = if sum.length_squared() > 1e-8 { *sum } else { *largest };
             sum.try_normalize().unwrap_or(DVec3::Y).as_vec3()
         })

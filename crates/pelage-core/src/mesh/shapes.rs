@@ -1,5 +1,6 @@
-//! Procedural shapes. Sizes in cm; bounding boxes are centred at the origin, y is up. One unit of uv is about
-//! [`UV_CM`], so that noise and maps have the same scale all over a shape and on all shapes.
+//! Procedural shapes. Sizes in cm; bounding boxes are centred at the origin, y is up. One unit of
+//! uv is about [`UV_CM`], so that noise and maps have the same scale all over a shape and on all
+//! shapes.
 
 mod critter;
 mod hat;
@@ -27,9 +28,9 @@ pub fn shape(shape: Shape) -> Mesh {
     }
 }
 
-/// A grid of `size.0` x `size.1` quads, two triangles each, its diagonals alternating. `point` and `uv` are called with
-/// 0..=size; along directions marked in `wrap`, the last row is the first one again. Triangles are counter-clockwise seen from
-/// d point/di x d point/dj.
+/// A grid of `size.0` x `size.1` quads, two triangles each, its diagonals alternating. `point` and
+/// `uv` are called with 0..=size; along directions marked in `wrap`, the last row is the first one
+/// again. Triangles are counter-clockwise seen from d point/di x d point/dj.
 fn grid(
     size: (u32, u32),
     wrap: (bool, bool),
@@ -63,8 +64,9 @@ fn centered(mut mesh: Mesh) -> Mesh {
     mesh
 }
 
-/// An open pelt of 190 cm² that lies over a horizontal cylinder (axis x, radius 4 cm) and hangs down on both sides:
-/// 200 degrees on the cylinder, then 2.2 cm that curve outwards. 64 quads along the bend, 28 along the axis.
+/// An open pelt of 190 cm² that lies over a horizontal cylinder (axis x, radius 4 cm) and hangs
+/// down on both sides: 200 degrees on the cylinder, then 2.2 cm that curve outwards. 64 quads along
+/// the bend, 28 along the axis.
 fn cylinder_pelt() -> Mesh {
     const AREA: f64 = 190.0;
     const RADIUS: f64 = 4.0;
@@ -73,8 +75,9 @@ fn cylinder_pelt() -> Mesh {
     const AXIS: u32 = 28;
     let on_cylinder = RADIUS * 100.0_f64.to_radians();
     let half = on_cylinder + HANG;
-    // Direction of the profile, radians below the horizontal, at the distance s >= 0 from the ridge. The curvature of the
-    // hanging part changes linearly from 1/RADIUS to -2/RADIUS, so that there is no kink.
+    // Direction of the profile, radians below the horizontal, at the distance s >= 0 from the
+    // ridge. The curvature of the hanging part changes linearly from 1/RADIUS to -2/RADIUS, so that
+    // there is no kink.
     let angle = |s: f64| {
         let t = (s - on_cylinder).max(0.0);
         s / RADIUS - 1.5 * t * t / (RADIUS * HANG)
@@ -131,8 +134,9 @@ fn torus() -> Mesh {
     grid((AROUND, TUBE), (true, true), point, uv)
 }
 
-/// The surface of a cube with `n` quads per side. `point` maps lattice points, each coordinate in 0..=n and at least one
-/// of them 0 or n; it is called once for each. A face's uv are its lattice coordinates times `edge` cm.
+/// The surface of a cube with `n` quads per side. `point` maps lattice points, each coordinate in
+/// 0..=n and at least one of them 0 or n; it is called once for each. A face's uv are its lattice
+/// coordinates times `edge` cm.
 fn cube_surface(n: i32, edge: f32, point: impl Fn([i32; 3]) -> Vec3) -> Mesh {
     let mut mesh = Mesh::default();
     let mut corner_uv = Vec::new();
@@ -161,7 +165,8 @@ fn cube_surface(n: i32, edge: f32, point: impl Fn([i32; 3]) -> Vec3) -> Mesh {
     mesh
 }
 
-/// A sphere of radius 5 cm: a cube with 20 quads per side, inflated along equal angles, so that no triangle is pinched.
+/// A sphere of radius 5 cm: a cube with 20 quads per side, inflated along equal angles, so that no
+/// triangle is pinched.
 fn sphere() -> Mesh {
     const N: i32 = 20;
     const RADIUS: f32 = 5.0;
@@ -169,15 +174,18 @@ fn sphere() -> Mesh {
     cube_surface(N, RADIUS * TAU / 4.0, |p| RADIUS * Vec3::from_array(p.map(tangent)).normalize())
 }
 
-/// A cube of edge 8 cm whose edges and corners are rounded with a radius of 1.6 cm, 20 quads per side.
+/// A cube of edge 8 cm whose edges and corners are rounded with a radius of 1.6 cm, 20 quads per
+/// side.
 fn die() -> Mesh {
     const N: i32 = 20;
     const EDGE: f32 = 8.0;
     const ROUND: f32 = 1.6;
-    // Of the twenty quads along a side, four lie on the rounding at each end, in proportion to the length of its 45 degrees.
+    // Of the twenty quads along a side, four lie on the rounding at each end, in proportion to the
+    // length of its 45 degrees.
     const CURVED: i32 = 4;
     let core = EDGE / 2.0 - ROUND;
-    // For a lattice coordinate: the position on the core cube, and the tangent of the angle on the rounding.
+    // For a lattice coordinate: the position on the core cube, and the tangent of the angle on the
+    // rounding.
     let split = |i: i32| {
         let (sign, from_middle) = ((2 * i - N).signum() as f32, (2 * i - N).abs());
         let flat = N - 2 * CURVED;
@@ -203,8 +211,8 @@ fn pyramid() -> Mesh {
     let apex = Vec3::new(0.0, HEIGHT / 2.0, 0.0);
     let across = |i: u32| (base[1] - base[0]) * (i as f32 / N as f32);
     let down = |j: u32| (base[3] - base[0]) * (j as f32 / N as f32);
-    // Seen from below: from the back edge to the front edge. All numbers are sixteenths, so that shared points are
-    // exactly the same and get welded.
+    // Seen from below: from the back edge to the front edge. All numbers are sixteenths, so that
+    // shared points are exactly the same and get welded.
     let uv = |i: u32, j: u32| Vec2::new(i as f32, j as f32) / N as f32 * (10.0 / UV_CM);
     let mut mesh = grid((N, N), (false, false), |i, j| base[3] + across(i) - down(j), uv);
     let slant = Vec2::new(HEIGHT, 5.0).length();

@@ -5,8 +5,8 @@ use crate::skin::NONE;
 /// The neighbour table of a triangle mesh.
 #[derive(Debug, Clone, Default, PartialEq, Eq)]
 pub struct Topology {
-    /// For triangle t, `neighbours[t][k]` is the triangle beyond the edge opposite corner k, the edge from corner
-    /// k+1 to corner k+2 (mod 3); [`NONE`] at a boundary.
+    /// For triangle t, `neighbours[t][k]` is the triangle beyond the edge opposite corner k, the
+    /// edge from corner k+1 to corner k+2 (mod 3); [`NONE`] at a boundary.
     pub neighbours: Vec<[u32; 3]>,
     /// Undirected edges.
     pub edges: usize,
@@ -25,9 +25,10 @@ pub fn edge_key(a: u32, b: u32) -> u64 {
 
 /// The neighbour table of `triangles`, whose corners must be three different vertices each.
 ///
-/// The neighbour over the edge (a, b) of a triangle is the owner of the directed key (b, a), if that key has exactly
-/// one owner and so has (a, b); else the edge counts as a boundary. So every kind of fault (boundary, more than two
-/// triangles, opposite winding) ends in [`NONE`] on both sides, and the table is symmetric.
+/// The neighbour over the edge (a, b) of a triangle is the owner of the directed key (b, a), if
+/// that key has exactly one owner and so has (a, b); else the edge counts as a boundary. So every
+/// kind of fault (boundary, more than two triangles, opposite winding) ends in [`NONE`] on both
+/// sides, and the table is symmetric.
 pub fn neighbours(triangles: &[[u32; 3]]) -> Topology {
     let mut topology = Topology { neighbours: vec![[NONE; 3]; triangles.len()], ..Topology::default() };
     let edges = sorted_edges(triangles);
@@ -46,7 +47,8 @@ pub fn neighbours(triangles: &[[u32; 3]]) -> Topology {
     topology
 }
 
-/// The edges without a neighbour, as (triangle, corner that the edge is opposite of), in the order of triangles.
+/// The edges without a neighbour, as (triangle, corner that the edge is opposite of), in the order
+/// of triangles.
 pub fn boundary_edges(topology: &Topology) -> Vec<(u32, u32)> {
     let sides = topology.neighbours.iter().enumerate();
     sides

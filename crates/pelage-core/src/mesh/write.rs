@@ -7,8 +7,8 @@ use std::collections::HashMap;
 use std::io::{self, Write};
 use std::path::Path;
 
-/// Writes `skin` as OBJ with normals, uv where there are any and vertex colours where they are not all white;
-/// positions in cm, world space. The file appears complete or not at all.
+/// Writes `skin` as OBJ with normals, uv where there are any and vertex colours where they are not
+/// all white; positions in cm, world space. The file appears complete or not at all.
 ///
 /// # Errors
 /// [`crate::Error::Io`] where it cannot be written.

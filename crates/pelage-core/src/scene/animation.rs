@@ -3,7 +3,8 @@
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What changes from frame to frame. Frames are numbered from 1; frame n shows the time (n - 1) / `fps`.
+/// What changes from frame to frame. Frames are numbered from 1; frame n shows the time (n - 1) /
+/// `fps`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Animation {
@@ -13,8 +14,9 @@ pub struct Animation {
     /// Frames per second.
     #[schemars(range(min = 0.1, max = 1000.0))]
     pub fps: f32,
-    /// Rotation of the camera about the axis `camera.up` through its target over all frames, degrees, counter-clockwise seen from
-    /// above. With 360 the animation loops: the first frame follows the last.
+    /// Rotation of the camera about the axis `camera.up` through its target over all frames,
+    /// degrees, counter-clockwise seen from above. With 360 the animation loops: the first frame
+    /// follows the last.
     #[schemars(range(min = -36_000.0, max = 36_000.0))]
     pub turntable: f32,
     /// How the object moves.

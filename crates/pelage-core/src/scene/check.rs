@@ -1,5 +1,5 @@
-//! Checks a tree against the JSON schema: unknown keys, types, words, ranges. All faults are collected. Faulty values are left out of the
-//! tree, so that later checks still see the rest.
+//! Checks a tree against the JSON schema: unknown keys, types, words, ranges. All faults are
+//! collected. Faulty values are left out of the tree, so that later checks still see the rest.
 
 use super::{
     schema,
@@ -16,7 +16,8 @@ pub(super) fn check(sources: &Sources, tree: Node) -> (Node, Vec<(String, SceneF
     (tree, checker.faults)
 }
 
-/// The limits of a number. The schema may have them beside a `$ref`, so they are collected on the way down.
+/// The limits of a number. The schema may have them beside a `$ref`, so they are collected on the
+/// way down.
 #[derive(Clone, Copy, Default)]
 struct Bounds {
     minimum: Option<f64>,

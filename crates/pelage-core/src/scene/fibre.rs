@@ -9,14 +9,16 @@ use serde::{Deserialize, Serialize};
 pub enum FibreModel {
     /// Kajiya and Kay 1989: `diffuse`, `specular`, `specular_exponent`.
     KajiyaKay,
-    /// Sadeghi et al. 2010, single scattering, plus Kajiya-Kay diffuse: `intensity`, `shift`, `width`, `azimuth_tt`,
-    /// `glint`, `diffuse`. Bright hairs may scatter more light than they receive.
+    /// Sadeghi et al. 2010, single scattering, plus Kajiya-Kay diffuse: `intensity`, `shift`,
+    /// `width`, `azimuth_tt`, `glint`, `diffuse`. Bright hairs may scatter more light than they
+    /// receive.
     Sadeghi,
     /// The same, darkened where it would scatter more light than it receives.
     SadeghiNormalised,
     /// Chiang et al. 2016, a rough dielectric cylinder: `roughness`, `tilt`, `ior`, `absorption`.
     Chiang,
-    /// Yan et al. 2017, a cortex around a scattering medulla: `tilt`, `ior`, `absorption`, `medulla`.
+    /// Yan et al. 2017, a cortex around a scattering medulla: `tilt`, `ior`, `absorption`,
+    /// `medulla`.
     Medulla,
 }
 
@@ -59,7 +61,8 @@ pub struct FibreSpec {
     /// Chiang, medulla: index of refraction.
     #[schemars(range(min = 1.05, max = 2.5))]
     pub ior: f32,
-    /// Chiang, medulla: absorption of the cortex, RGB, per radius of the hair; by default derived from the hair's colour.
+    /// Chiang, medulla: absorption of the cortex, RGB, per radius of the hair; by default derived
+    /// from the hair's colour.
     #[schemars(inner(range(min = 0.0, max = 1000.0)))]
     pub absorption: Option<[f32; 3]>,
     /// Medulla: the hair's interior and surface.

@@ -1,7 +1,8 @@
 //! Loads a [`Scene`] from files and flags.
 //!
-//! In order of precedence: flags of the command line, the scene file, its includes (a later one before an earlier one), the preset, the
-//! defaults. Tables are merged key by key; arrays and groom parameters are replaced as a whole.
+//! In order of precedence: flags of the command line, the scene file, its includes (a later one
+//! before an earlier one), the preset, the defaults. Tables are merged key by key; arrays and groom
+//! parameters are replaced as a whole.
 
 use super::{
     Scene, check, overrides, preset, rules, schema,
@@ -44,8 +45,8 @@ impl Override {
 }
 
 impl Scene {
-    /// Loads a scene file, its includes and its preset, applies `overrides` (`key.path=value`), and checks that every file that
-    /// the scene names exists.
+    /// Loads a scene file, its includes and its preset, applies `overrides` (`key.path=value`), and
+    /// checks that every file that the scene names exists.
     ///
     /// # Errors
     /// [`Error::Scene`] with all faults of all files, each with its position.
@@ -83,8 +84,8 @@ impl Scene {
         loader.finish(scene, faults).map(|scene| (scene, assets))
     }
 
-    /// Parses the text of a scene file. Messages show `name`, and includes are relative to it. Whether the files that the scene names
-    /// exist is not checked.
+    /// Parses the text of a scene file. Messages show `name`, and includes are relative to it.
+    /// Whether the files that the scene names exist is not checked.
     ///
     /// # Errors
     /// As [`Scene::load`].
@@ -149,7 +150,8 @@ impl Loader {
         if faults.is_empty() { Ok(scene) } else { Err(Error::Scene(sorted(faults))) }
     }
 
-    /// Parses a file and merges its includes under it. `None` if it is no TOML; the faults are collected.
+    /// Parses a file and merges its includes under it. `None` if it is no TOML; the faults are
+    /// collected.
     fn file(&mut self, path: &Path, text: &str, stack: &mut Vec<PathBuf>) -> Option<Node> {
         let mut tree = match self.sources.parse(path, text) {
             Ok(tree) => tree,

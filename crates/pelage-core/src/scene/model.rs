@@ -1,7 +1,7 @@
 //! The types of a scene file. Every field has a default, so that an empty table is valid.
 //!
-//! Ranges are given here as schemars attributes and nowhere else: the JSON schema that `pelage schema` prints is also
-//! what the loader checks files against.
+//! Ranges are given here as schemars attributes and nowhere else: the JSON schema that
+//! `pelage schema` prints is also what the loader checks files against.
 
 pub use super::animation::*;
 pub use super::fibre::*;
@@ -14,8 +14,8 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
-    /// Scene files, relative to this one, whose values this file overrides; a later one overrides an earlier one.
-    /// Empty once a scene is loaded.
+    /// Scene files, relative to this one, whose values this file overrides; a later one overrides
+    /// an earlier one. Empty once a scene is loaded.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub include: Vec<String>,
     /// A groom preset (`brown_mink`, ...) that `guard`, `undercoat` and `base` start from.
@@ -173,7 +173,8 @@ pub struct MeshSpec {
     pub center: bool,
     /// Report faults of the mesh as errors instead of repairing them.
     pub strict: bool,
-    /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals. Fur would part along every edge.
+    /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals.
+    /// Fur would part along every edge.
     pub faceted: bool,
 }
 
@@ -226,7 +227,8 @@ pub struct Lens {
     /// Aperture diameter, cm.
     #[schemars(range(min = 0.0))]
     pub aperture: f32,
-    /// Distance of the plane in focus from the camera along the viewing direction, cm; by default that of the target.
+    /// Distance of the plane in focus from the camera along the viewing direction, cm; by default
+    /// that of the target.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub focus: Option<f32>,
     /// How it is computed.
@@ -344,7 +346,8 @@ pub struct Guard {
     pub color_root: Color,
     /// Colour at the tip.
     pub color_tip: Color,
-    /// Colour transition between root and tip: position of its middle along the hair, 0..1, and its extent as a fraction of the length.
+    /// Colour transition between root and tip: position of its middle along the hair, 0..1, and its
+    /// extent as a fraction of the length.
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub color_transition: [f32; 2],
     /// Random brightness variation between hairs, 0..1.
@@ -358,7 +361,8 @@ pub struct Guard {
     pub tip_fade: f32,
     /// Scattering.
     pub fibre: FibreSpec,
-    /// Root darkening of `shading = "paper"`: strength k_s and length l_s as a fraction of the hair's length.
+    /// Root darkening of `shading = "paper"`: strength k_s and length l_s as a fraction of the
+    /// hair's length.
     #[schemars(inner(range(min = 0.0, max = 1.0)))]
     pub root_darkening: [f32; 2],
 }
@@ -417,8 +421,8 @@ pub struct Undercoat {
     pub color_tip: Color,
     /// Scattering.
     pub fibre: FibreSpec,
-    /// Share of the scattered light that goes on forward and does not count as attenuation of a light, 0..1.
-    /// 0: single scattering as in Andersen et al. 2016.
+    /// Share of the scattered light that goes on forward and does not count as attenuation of a
+    /// light, 0..1. 0: single scattering as in Andersen et al. 2016.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub forward_scattering: f32,
     /// Whether densities are stored or evaluated.

@@ -147,8 +147,8 @@ pub enum Shading {
     /// Undercoat and guard hairs shadow themselves and each other.
     #[default]
     Physical,
-    /// As in Andersen et al. 2016: exponential root darkening, no environment light on the undercoat, no forward scattering, isotropic
-    /// extinction.
+    /// As in Andersen et al. 2016: exponential root darkening, no environment light on the
+    /// undercoat, no forward scattering, isotropic extinction.
     Paper,
 }
 
@@ -171,17 +171,19 @@ pub struct MultipleScattering {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum MultipleModel {
-    /// `transport` where the coat's fibres are `chiang` or `medulla`, whose light is mostly scattered more than once; otherwise
-    /// `similarity`.
+    /// `transport` where the coat's fibres are `chiang` or `medulla`, whose light is mostly
+    /// scattered more than once; otherwise `similarity`.
     #[default]
     Auto,
     /// Single scattering only.
     None,
-    /// Hairs attenuate a light less: the share `undercoat.forward_scattering` of the scattered light counts as going on.
+    /// Hairs attenuate a light less: the share `undercoat.forward_scattering` of the scattered
+    /// light counts as going on.
     Similarity,
     /// Dual scattering, Zinke et al. 2008.
     Dual,
-    /// Radiative transfer in a flat coat of the same fibres, looked up by the optical depth towards each light.
+    /// Radiative transfer in a flat coat of the same fibres, looked up by the optical depth towards
+    /// each light.
     Transport,
 }
 
@@ -192,6 +194,7 @@ pub enum LightLookup {
     /// From the optical-depth lattice, filled once.
     #[default]
     Lattice,
-    /// By a march towards each of the two brightest lights at every step: slow, to compare with. Guard hairs cast no shadow then.
+    /// By a march towards each of the two brightest lights at every step: slow, to compare with.
+    /// Guard hairs cast no shadow then.
     Nested,
 }

@@ -6,7 +6,8 @@ use super::{
 };
 use crate::SceneFault;
 
-/// Sets `o` in `tree`. Missing tables on its path are created; an array that the files do not give starts from its default.
+/// Sets `o` in `tree`. Missing tables on its path are created; an array that the files do not give
+/// starts from its default.
 pub(super) fn set(tree: &mut Node, sources: &mut Sources, o: &Override) -> Option<SceneFault> {
     let origin = sources.add(&o.flag, None);
     let fault = |message: String, help: &str| Some(sources.fault(&origin, message, Some(help.into())));

@@ -1,4 +1,5 @@
-//! Groom presets that are part of the program: `presets/*.toml`, with the tables `guard`, `undercoat` and `base`.
+//! Groom presets that are part of the program: `presets/*.toml`, with the tables `guard`,
+//! `undercoat` and `base`.
 
 const PRESETS: &[(&str, &str)] = &[
     ("arctic_fox", include_str!("../../../../presets/arctic_fox.toml")),

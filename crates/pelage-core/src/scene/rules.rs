@@ -8,11 +8,12 @@ use crate::SceneFault;
 use crate::assets::Assets;
 use glam::Vec3;
 
-/// A broken rule: the keys that it concerns (the first gives the position), what is wrong, what to do.
+/// A broken rule: the keys that it concerns (the first gives the position), what is wrong, what to
+/// do.
 type Broken = (Vec<&'static str>, String, &'static str);
 
-/// The faults of values that contradict each other. A rule is skipped if a table with one of its keys already has a fault; `found` holds
-/// these with their paths.
+/// The faults of values that contradict each other. A rule is skipped if a table with one of its
+/// keys already has a fault; `found` holds these with their paths.
 pub(super) fn broken(
     scene: &Scene,
     tree: &Node,

@@ -1,4 +1,5 @@
-//! The tables `[lapped]`, `[bake]` and `[shells]`: patches, textures of hair, and how shells and fins are drawn.
+//! The tables `[lapped]`, `[bake]` and `[shells]`: patches, textures of hair, and how shells and
+//! fins are drawn.
 
 use super::{Color, Scalar};
 use schemars::JsonSchema;
@@ -16,12 +17,15 @@ pub struct LappedSpec {
     pub irregularity: f32,
     /// Source of the direction field.
     pub field: FieldSource,
-    /// Directions at points of the skin, for `field = "vectors"`; they are interpolated everywhere else.
+    /// Directions at points of the skin, for `field = "vectors"`; they are interpolated everywhere
+    /// else.
     pub vectors: Vec<FieldVector>,
-    /// Textures follow the field; false: each patch has a random orientation, which suits upright hair.
+    /// Textures follow the field; false: each patch has a random orientation, which suits upright
+    /// hair.
     pub aligned: bool,
-    /// Patches overlap within their outlines and shells show all of them, as in Praun et al. 2000; false: patches are extended to whole faces
-    /// and each face shows only its topmost patch, as in Lengyel et al. 2001.
+    /// Patches overlap within their outlines and shells show all of them, as in Praun et al. 2000;
+    /// false: patches are extended to whole faces and each face shows only its topmost patch, as in
+    /// Lengyel et al. 2001.
     pub overlapping: bool,
 }
 
@@ -83,10 +87,12 @@ pub struct BakeSpec {
     /// Texels of the fin along the edge and upwards.
     #[schemars(inner(range(min = 4, max = 4096)))]
     pub fin_resolution: [u32; 2],
-    /// Edge of the torus that the texture covers, cm; by default 1 cm for `hybrid`, otherwise a sixteenth of the skin's diameter.
+    /// Edge of the torus that the texture covers, cm; by default 1 cm for `hybrid`, otherwise a
+    /// sixteenth of the skin's diameter.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub patch: Option<f32>,
-    /// Height of the fur, cm; by default the groom's for `hybrid`, otherwise a thousandth of the skin's diameter per layer.
+    /// Height of the fur, cm; by default the groom's for `hybrid`, otherwise a thousandth of the
+    /// skin's diameter per layer.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub height: Option<f32>,
     /// Thickness of the slab of hair that the fin shows, as a fraction of the torus's edge.
@@ -127,8 +133,8 @@ pub enum BakeSource {
     Dots,
 }
 
-/// Hair grown by a particle system in a box whose sides wrap around. Lengths are relative to the box: across the skin 1 is the edge of the
-/// torus, upwards 1 is the height of the fur.
+/// Hair grown by a particle system in a box whose sides wrap around. Lengths are relative to the
+/// box: across the skin 1 is the edge of the torus, upwards 1 is the height of the fur.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Particles {
@@ -261,10 +267,11 @@ pub struct Shells {
     /// Cosine below which an edge counts as near the silhouette, for `fade = "threshold"`.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub fin_threshold: f32,
-    /// Shells write depth where they are not transparent (Lengyel et al. 2001); false: they only test it (NVIDIA's sample).
+    /// Shells write depth where they are not transparent (Lengyel et al. 2001); false: they only
+    /// test it (NVIDIA's sample).
     pub depth_write: bool,
-    /// Coverage grows with the length of the view ray within a layer and with its angle to the hairs; false: the texture's coverage from
-    /// every direction, as in the first works on shells.
+    /// Coverage grows with the length of the view ray within a layer and with its angle to the
+    /// hairs; false: the texture's coverage from every direction, as in the first works on shells.
     pub slanted: bool,
     /// Number of shells drawn, from the skin outwards; by default all of the textures.
     #[schemars(range(min = 1, max = 128))]
@@ -281,7 +288,8 @@ pub struct Shells {
     pub lighting: ShellLighting,
     /// Parameters of `lighting = "table"`.
     pub table: LightingTable,
-    /// Comb over the whole skin: a tangential vector, world space, whose length is the tangent of the lean.
+    /// Comb over the whole skin: a tangential vector, world space, whose length is the tangent of
+    /// the lean.
     pub comb: [f32; 3],
     /// Brush strokes.
     pub brushes: Vec<Brush>,
@@ -347,7 +355,8 @@ pub enum FinFade {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum ShellLighting {
-    /// That of the hybrid fur: its scattering, with the transmittances of its optical-depth lattice.
+    /// That of the hybrid fur: its scattering, with the transmittances of its optical-depth
+    /// lattice.
     #[default]
     Scene,
     /// The 32 x 32 table of Lengyel et al. 2001, with Banks's darkening towards the skin.
@@ -406,7 +415,8 @@ pub struct Brush {
     pub radius: f32,
     /// Comb vector, as `shells.comb`.
     pub direction: [f32; 3],
-    /// Factor on the hairs' colour at the centre, which returns to 1 in the same way: shows what a stroke affects.
+    /// Factor on the hairs' colour at the centre, which returns to 1 in the same way: shows what a
+    /// stroke affects.
     #[serde(default = "white")]
     #[schemars(inner(range(min = 0.0)))]
     pub tint: [f32; 3],
@@ -475,7 +485,8 @@ impl Default for Dynamics {
 pub struct Lod {
     /// Whether coarser levels are used.
     pub enabled: bool,
-    /// Distance of the camera, in diameters of the skin, at which the number of shells is halved; at twice that it is a quarter.
+    /// Distance of the camera, in diameters of the skin, at which the number of shells is halved;
+    /// at twice that it is a quarter.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub distance: f32,
 }

@@ -1,4 +1,5 @@
-//! The model of Chiang et al. in the form of Pharr et al.: a rough dielectric cylinder with absorption, lossless if nothing is absorbed.
+//! The model of Chiang et al. in the form of Pharr et al.: a rough dielectric cylinder with
+//! absorption, lossless if nothing is absorbed.
 // [Chiang2016], [Pharr2023] sec. 9.9
 
 use super::lobes::{Logistic, choose, fresnel, longitudinal, sample_longitudinal, wrap};
@@ -9,7 +10,8 @@ use std::f32::consts::{PI, TAU};
 /// Absorption of a fibre.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Absorption {
-    /// From the colour of the hair, so that a mass of such fibres has this colour: the coefficient is the square of the colour's logarithm over this divisor.
+    /// From the colour of the hair, so that a mass of such fibres has this colour: the coefficient
+    /// is the square of the colour's logarithm over this divisor.
     Color(f32),
     /// Absorption coefficient, per radius of the fibre.
     Fixed(Vec3),
@@ -82,7 +84,8 @@ pub fn azimuthal_scale(roughness: f32) -> f32 {
 }
 
 impl Chiang {
-    /// The model for `[longitudinal, azimuthal]` roughness in 0..1 and a tilt of the scales in radians; without `absorption` it follows the colour.
+    /// The model for `[longitudinal, azimuthal]` roughness in 0..1 and a tilt of the scales in
+    /// radians; without `absorption` it follows the colour.
     // [Chiang2016] eq. 7 and 8, [Pharr2023] sec. 9.9
     pub fn new([along, around]: [f32; 2], tilt: f32, ior: f32, absorption: Option<Vec3>) -> Self {
         let v = longitudinal_variance(along);
@@ -175,7 +178,9 @@ impl Chiang {
         (0..4).map(|p| shares[p] * along[p] * around[p]).sum::<f32>() / shares.iter().sum::<f32>()
     }
 
-    /// Adds the azimuthal functions of the lobes, times their attenuations and `weight`, to `sum[layer * phis + k]` for azimuths from 0 to π; `o` is sine and cosine of θ_o, `h` the offset, and `radius` holds the transmittance exp(−σ) of one radius for each layer.
+    /// Adds the azimuthal functions of the lobes, times their attenuations and `weight`, to
+    /// `sum[layer * phis + k]` for azimuths from 0 to π; `o` is sine and cosine of θ_o, `h` the
+    /// offset, and `radius` holds the transmittance exp(−σ) of one radius for each layer.
     pub(super) fn add_far(
         &self,
         o: [f32; 2],

@@ -52,7 +52,8 @@ impl KajiyaKay {
         if u[3] < self.diffuse_share() {
             return (diffuse_sample([u[0], u[1]]), phi);
         }
-        // A marginal of the disc with density (1 − r²)^(p/2 − 1) is proportional to a power of the cosine.
+        // A marginal of the disc with density (1 − r²)^(p/2 − 1) is proportional to a power of the
+        // cosine.
         let s = (1.0 - u[0].powf(2.0 / self.exponent)).max(0.0).sqrt() * (TAU * u[1]).cos();
         // An angle beyond the pole continues on the other side.
         ((s.clamp(-1.0, 1.0).asin() - o[0].asin()).sin(), phi)

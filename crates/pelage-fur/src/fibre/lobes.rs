@@ -2,7 +2,8 @@
 
 use std::f32::consts::{PI, TAU};
 
-/// I₀(x) e^−x, the exponentially scaled modified Bessel function of the first kind; x ≥ 0, relative error below 1e-6.
+/// I₀(x) e^−x, the exponentially scaled modified Bessel function of the first kind; x ≥ 0, relative
+/// error below 1e-6.
 // [AbramowitzStegun1964] 9.8.1 and 9.8.2
 pub fn bessel_i0e(x: f32) -> f32 {
     if x < 3.75 {
@@ -24,7 +25,8 @@ pub fn bessel_i0e(x: f32) -> f32 {
     sum / x.sqrt()
 }
 
-/// Longitudinal scattering function of variance `v`; its integral times cos θ_i over the inclination is 1 for every θ_o. `i` and `o` are sine and cosine of the inclinations.
+/// Longitudinal scattering function of variance `v`; its integral times cos θ_i over the
+/// inclination is 1 for every θ_o. `i` and `o` are sine and cosine of the inclinations.
 // [DEon2011], in a form that does not overflow: I₀ and sinh are exponentially scaled.
 pub fn longitudinal(i: [f32; 2], o: [f32; 2], v: f32) -> f32 {
     let product = i[1] * o[1];
@@ -107,7 +109,8 @@ pub fn normal(u: [f32; 2]) -> f32 {
     (-2.0 * u[0].max(1e-12).ln()).sqrt() * (TAU * u[1]).cos()
 }
 
-/// Fresnel reflectance of a smooth dielectric of relative index `eta`, from outside, for unpolarised light; `cos` is that of the angle of incidence.
+/// Fresnel reflectance of a smooth dielectric of relative index `eta`, from outside, for
+/// unpolarised light; `cos` is that of the angle of incidence.
 pub fn fresnel(cos: f32, eta: f32) -> f32 {
     let cos = cos.clamp(0.0, 1.0);
     let cos_t = (1.0 - (1.0 - cos * cos) / (eta * eta)).max(0.0).sqrt();
@@ -116,7 +119,8 @@ pub fn fresnel(cos: f32, eta: f32) -> f32 {
     0.5 * (parallel * parallel + perpendicular * perpendicular)
 }
 
-/// Selects an index with probability proportional to its weight; also returns the random number, rescaled to 0..1 for reuse.
+/// Selects an index with probability proportional to its weight; also returns the random number,
+/// rescaled to 0..1 for reuse.
 pub fn choose(weights: &[f32], u: f32) -> (usize, f32) {
     let sum: f32 = weights.iter().sum();
     let mut rest = u * sum;

@@ -1,4 +1,5 @@
-//! The model of Yan et al.: a cortex around a medulla that scatters light. Lobes R, TT, TRT as in a plain fibre, and TTs and TRTs, scattered in the medulla on the first or second pass.
+//! The model of Yan et al.: a cortex around a medulla that scatters light. Lobes R, TT, TRT as in a
+//! plain fibre, and TTs and TRTs, scattered in the medulla on the first or second pass.
 // [Yan2017]
 
 pub mod scatter;
@@ -12,7 +13,8 @@ use std::f32::consts::{PI, TAU};
 use std::path::Path;
 use std::sync::Arc;
 
-/// Parameters of a fibre with a medulla; coefficients are per radius of the hair, angles in radians.
+/// Parameters of a fibre with a medulla; coefficients are per radius of the hair, angles in
+/// radians.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Parts {
     /// Index of refraction.
@@ -76,7 +78,8 @@ impl Medulla {
         Self { parts, table: scatters.then(|| Arc::new(ScatterTable::cached(medium, cache))) }
     }
 
-    // [Yan2017]: s_c and s_m are half the path lengths in cortex and medulla; F_l is the reflectance of the cuticle's layers.
+    // [Yan2017]: s_c and s_m are half the path lengths in cortex and medulla; F_l is the
+    // reflectance of the cuticle's layers.
     fn within(&self, o: [f32; 2], h: f32) -> Within {
         let parts = &self.parts;
         let cos_o = o[1].max(1e-4);
@@ -106,8 +109,11 @@ impl Medulla {
         }
     }
 
-    /// Attenuations of the lobes for the transmittances of the cortex over the two path lengths of [`Within::cortex`].
-    // [Yan2017]. DEVIATION: what is scattered in a pass is exactly what is not left unscattered, so that energy is conserved; longer paths, which the paper omits, join the light from the medulla, uniform in azimuth.
+    /// Attenuations of the lobes for the transmittances of the cortex over the two path lengths of
+    /// [`Within::cortex`].
+    // [Yan2017]. DEVIATION: what is scattered in a pass is exactly what is not left unscattered, so
+    // that energy is conserved; longer paths, which the paper omits, join the light from the
+    // medulla, uniform in azimuth.
     fn attenuation(w: &Within, [pass, half]: [f32; 2]) -> [f32; LOBES] {
         let f = w.fresnel;
         let through = pass * w.medulla[0] * w.unscattered;
@@ -146,7 +152,8 @@ impl Medulla {
         [plain(0.0), plain(1.0), plain(2.0), scattered(1.0), scattered(2.0), 1.0 / TAU]
     }
 
-    /// Inclination (sine, cosine) whose mirror cone is the centre of lobe R, TT or TRT (`p` = 0, 1, 2), and the lobe's variance.
+    /// Inclination (sine, cosine) whose mirror cone is the centre of lobe R, TT or TRT (`p` = 0, 1,
+    /// 2), and the lobe's variance.
     // [Yan2017]: R lies on the cone of the tilted surface; TT and TRT have fixed shifts.
     fn cone(&self, p: usize, o: [f32; 2], phi: f32) -> ([f32; 2], f32) {
         let (tilt, width) = (self.parts.tilt, self.parts.width[0]);
@@ -163,7 +170,8 @@ impl Medulla {
     }
 
     /// Longitudinal functions of R, TT, TRT and of all scattered light.
-    // DEVIATION: [Yan2017] divides Gaussians by cos², which loses light at grazing angles; this function is normalised on the sphere.
+    // DEVIATION: [Yan2017] divides Gaussians by cos², which loses light at grazing angles; this
+    // function is normalised on the sphere.
     pub fn along(&self, a: &Angles) -> [f32; 4] {
         let plain = |p: usize| {
             let (o, v) = self.cone(p, a.o, a.phi);
@@ -185,7 +193,8 @@ impl Medulla {
         (0..LOBES).map(|p| attenuation[p] * along[p.min(3)] * around[p]).sum()
     }
 
-    /// Energies of the lobes at offset `h` for a fibre whose cortex absorbs nothing; `o` is sine and cosine of θ_o.
+    /// Energies of the lobes at offset `h` for a fibre whose cortex absorbs nothing; `o` is sine
+    /// and cosine of θ_o.
     pub fn energies(&self, o: [f32; 2], h: f32) -> [f32; LOBES] {
         Self::attenuation(&self.within(o, h), [1.0; 2])
     }
@@ -227,7 +236,8 @@ impl Medulla {
         (0..LOBES).map(|p| shares[p] * along[p.min(3)] * around[p]).sum::<f32>() / shares.iter().sum::<f32>()
     }
 
-    /// As [`super::Chiang::add_far`]; the fourth lobe is all light scattered in the medulla and all longer paths.
+    /// As [`super::Chiang::add_far`]; the fourth lobe is all light scattered in the medulla and all
+    /// longer paths.
     pub(super) fn add_far(
         &self,
         o: [f32; 2],

@@ -1,4 +1,6 @@
-//! The model of Sadeghi et al.: lobes R, TT, TRT and glints, each with its own intensity, and a Kajiya–Kay diffuse term. Lobes of unit height do not conserve energy; [`Sadeghi::normalised`] limits them.
+//! The model of Sadeghi et al.: lobes R, TT, TRT and glints, each with its own intensity, and a
+//! Kajiya–Kay diffuse term. Lobes of unit height do not conserve energy; [`Sadeghi::normalised`]
+//! limits them.
 // [Sadeghi2010], [KajiyaKay1989]
 
 use super::kajiya_kay::{diffuse_pdf, diffuse_sample};
@@ -27,7 +29,8 @@ pub struct Sadeghi {
     pub glint_width: f32,
     /// Weight of the diffuse term.
     pub diffuse: f32,
-    /// For the normalised model, directional albedos of R, TT, TRT of a white hair at evenly spaced inclinations from −π/2 to π/2; otherwise `None`.
+    /// For the normalised model, directional albedos of R, TT, TRT of a white hair at evenly spaced
+    /// inclinations from −π/2 to π/2; otherwise `None`.
     pub albedo: Option<Vec<[f32; 3]>>,
 }
 
@@ -36,7 +39,8 @@ fn unit_gaussian(x: f32, width: f32) -> f32 {
     (-0.5 * x * x / (width * width)).exp()
 }
 
-/// Scale of the logistic distribution that is sampled instead of a Gaussian of unit width. Its tails are heavier, so that sample weights stay bounded.
+/// Scale of the logistic distribution that is sampled instead of a Gaussian of unit width. Its
+/// tails are heavier, so that sample weights stay bounded.
 const LOGISTIC: f32 = 0.6;
 
 impl Sadeghi {
@@ -70,7 +74,8 @@ impl Sadeghi {
         unit_gaussian(theta_h - self.shift[lobe], self.width[lobe])
     }
 
-    /// Normalisation factor on f: one over the albedo where that exceeds one, at whichever of the two inclinations it is larger, so that the model stays reciprocal.
+    /// Normalisation factor on f: one over the albedo where that exceeds one, at whichever of the
+    /// two inclinations it is larger, so that the model stays reciprocal.
     fn factor(&self, a: &Angles, tint: Vec3) -> Vec3 {
         let Some(table) = &self.albedo else { return Vec3::ONE };
         let albedo = |sin: f32| {

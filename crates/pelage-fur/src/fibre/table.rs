@@ -1,4 +1,5 @@
-//! Far fields as tables, for shaders and quadrature: azimuthal functions of four lobes, integrated over the offset. The longitudinal functions are closed forms, or one more layer of the table.
+//! Far fields as tables, for shaders and quadrature: azimuthal functions of four lobes, integrated
+//! over the offset. The longitudinal functions are closed forms, or one more layer of the table.
 
 use super::{Absorption, Angles, Fibre, inclination, offsets};
 use glam::Vec3;
@@ -13,7 +14,9 @@ pub struct FarTable {
     pub phis: usize,
     /// Number of inclinations θ_o, evenly spaced from 0 to π/2.
     pub thetas: usize,
-    /// Number of layers, evenly spaced in the transmittance of one diameter from 0 to 1. Fibres with a medulla have one more: the longitudinal density of scattered light, with the sine of θ_i (−1 to 1) in place of the azimuth.
+    /// Number of layers, evenly spaced in the transmittance of one diameter from 0 to 1. Fibres
+    /// with a medulla have one more: the longitudinal density of scattered light, with the sine of
+    /// θ_i (−1 to 1) in place of the azimuth.
     pub layers: usize,
     /// Values of the four lobes, [layer][inclination][azimuth].
     pub values: Vec<[f32; 4]>,
@@ -92,7 +95,8 @@ impl FarTable {
         self.layers - usize::from(matches!(fibre, Fibre::Medulla(_)))
     }
 
-    /// The four functions for transmittance `through` of one diameter; `k` is the index of the azimuth, `theta` is θ_o.
+    /// The four functions for transmittance `through` of one diameter; `k` is the index of the
+    /// azimuth, `theta` is θ_o.
     fn at(&self, absorptions: usize, through: f32, theta: f32, k: usize) -> [f32; 4] {
         let split = |x: f32, n: usize| {
             let x = x.clamp(0.0, 1.0) * (n - 1) as f32;
@@ -110,7 +114,8 @@ impl FarTable {
 }
 
 impl FarTable {
-    /// f cos θ_i of the far field from the table, as the shaders evaluate it; 0 for models without a table.
+    /// f cos θ_i of the far field from the table, as the shaders evaluate it; 0 for models without
+    /// a table.
     pub fn scatter(&self, fibre: &Fibre, a: &Angles, tint: Vec3) -> Vec3 {
         let (absorption, along) = match fibre {
             Fibre::Chiang(m) => (m.absorption, m.along(a)),
@@ -171,7 +176,8 @@ impl Moments {
 /// Steps of the quadrature over θ_i and half of the azimuths.
 const STEPS: [usize; 2] = [256, 128];
 
-/// Evaluates directional albedos and lobes of a far field by halves; built once for a fibre, evaluated for many inclinations and colours.
+/// Evaluates directional albedos and lobes of a far field by halves; built once for a fibre,
+/// evaluated for many inclinations and colours.
 pub struct Albedos<'a> {
     fibre: &'a Fibre,
     table: Option<Arc<FarTable>>,
@@ -183,7 +189,8 @@ impl<'a> Albedos<'a> {
         Self { fibre, table: FarTable::shared(fibre) }
     }
 
-    /// Integrals of f cos θ_i over ω_i for an inclination `theta` of ω_o (radians). They sum to 1 for lossless models. For reciprocal models the two directions may be exchanged.
+    /// Integrals of f cos θ_i over ω_i for an inclination `theta` of ω_o (radians). They sum to 1
+    /// for lossless models. For reciprocal models the two directions may be exchanged.
     pub fn hemispherical(&self, theta: f32, tint: Vec3) -> Hemispheres {
         let (absorption, table) = match (self.fibre, &self.table) {
             (Fibre::Chiang(m), Some(table)) => (&m.absorption, table),
@@ -205,7 +212,8 @@ impl<'a> Albedos<'a> {
                 _ => [0.0; 4],
             }
         };
-        // Longitudinal moments of the lobes. Only R of a fibre with a medulla depends on the azimuth.
+        // Longitudinal moments of the lobes. Only R of a fibre with a medulla depends on the
+        // azimuth.
         let moments = |phi: f32| {
             let mut sums = [[0f32; 3]; 4];
             let step = PI / STEPS[0] as f32;

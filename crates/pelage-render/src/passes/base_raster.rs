@@ -1,5 +1,5 @@
-//! Step 4: the skin. The raster stage finds the nearest triangle at each sample; a compute kernel adds depth, normal and
-//! radiance.
+//! Step 4: the skin. The raster stage finds the nearest triangle at each sample; a compute kernel
+//! adds depth, normal and radiance.
 // Source: [Andersen2016] table 1, which rasterises the base mesh.
 
 use pelage_core::Result;
@@ -25,9 +25,11 @@ impl BaseRaster {
         })
     }
 
-    /// Draws `triangles` triangles to `targets` and writes `base_records` for all samples of the tile.
+    /// Draws `triangles` triangles to `targets` and writes `base_records` for all samples of the
+    /// tile.
     ///
-    /// In scope: `frame`, `shell_vertices`, `prisms`, `fur`, `base_light`, `triangle_ids` (the colour target), `base_records`.
+    /// In scope: `frame`, `shell_vertices`, `prisms`, `fur`, `base_light`, `triangle_ids` (the
+    /// colour target), `base_records`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,4 +1,5 @@
-//! Step 1: neighbours of the triangles over their edges, by a hash table over 64-bit keys of directed edges.
+//! Step 1: neighbours of the triangles over their edges, by a hash table over 64-bit keys of
+//! directed edges.
 // Source: [Andersen2016] sec. 3.2.
 
 use pelage_core::Result;
@@ -23,13 +24,14 @@ impl EdgeTable {
         })
     }
 
-    /// Fills `neighbours` for `edges` directed edges, three per triangle. Returns the buffers that must live until the recording is
-    /// submitted.
+    /// Fills `neighbours` for `edges` directed edges, three per triangle. Returns the buffers that
+    /// must live until the recording is submitted.
     ///
     /// In scope: `triangles`, `neighbours`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`] if the table does not fit.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`]
+    /// if the table does not fit.
     pub fn record(
         &self,
         gpu: &Gpu,

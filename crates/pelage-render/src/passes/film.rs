@@ -17,7 +17,8 @@ impl Film {
         Ok(Self { main: Kernel::new(gpu, "film", "main")? })
     }
 
-    /// Filters the samples of a tile into its `pixels` pixels; from the second pass over the image on, adds to them.
+    /// Filters the samples of a tile into its `pixels` pixels; from the second pass over the image
+    /// on, adds to them.
     ///
     /// In scope: `frame`, `reconstruction`, `samples`, `pixels`.
     ///

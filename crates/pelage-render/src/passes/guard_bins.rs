@@ -1,4 +1,5 @@
-//! Step 6: the strands that may touch each tile; out of core, the roots whose strands may touch one tile.
+//! Step 6: the strands that may touch each tile; out of core, the roots whose strands may touch one
+//! tile.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
@@ -33,7 +34,8 @@ impl GuardBins {
         recorder.dispatch(&self.count, scope, u64::from(strands))
     }
 
-    /// Writes the strands of each tile to `bins` from its entry of `bin_starts`; `bin_counts` must be zero before.
+    /// Writes the strands of each tile to `bins` from its entry of `bin_starts`; `bin_counts` must
+    /// be zero before.
     ///
     /// In scope: those of [`GuardBins::record_count`], `bin_starts`, `bins`.
     ///
@@ -43,10 +45,12 @@ impl GuardBins {
         recorder.dispatch(&self.fill, scope, u64::from(strands))
     }
 
-    /// Copies the roots whose strands may touch the tile of `frame`, out of `roots` roots, to `tile_roots`, writes their numbers there to
-    /// `bins`, and their count to the first entry of `bin_counts`, which must be zero before.
+    /// Copies the roots whose strands may touch the tile of `frame`, out of `roots` roots, to
+    /// `tile_roots`, writes their numbers there to `bins`, and their count to the first entry of
+    /// `bin_counts`, which must be zero before.
     ///
-    /// In scope: `frame`, `strand_batch`, `tile_grid`, `shell_vertices`, `prisms`, `roots`, `bin_counts`, `bins`, `tile_roots`.
+    /// In scope: `frame`, `strand_batch`, `tile_grid`, `shell_vertices`, `prisms`, `roots`,
+    /// `bin_counts`, `bins`, `tile_roots`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

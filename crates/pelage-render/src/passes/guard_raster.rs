@@ -18,9 +18,11 @@ impl GuardRaster {
         Ok(Self { main: Kernel::new(gpu, "guard_raster", "main")? })
     }
 
-    /// Adds the fragments of the `strands` strands of a bin, of `segments` segments each, to `fragment_lists`.
+    /// Adds the fragments of the `strands` strands of a bin, of `segments` segments each, to
+    /// `fragment_lists`.
     ///
-    /// In scope: `frame`, `bin`, `groom`, `bins`, `roots`, `strand_vertices`, `shades`, `base_records`, `fragment_lists`.
+    /// In scope: `frame`, `bin`, `groom`, `bins`, `roots`, `strand_vertices`, `shades`,
+    /// `base_records`, `fragment_lists`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,5 +1,7 @@
-//! Step 3: shading of the guard hairs, once at each vertex for all lights, with optical depths from the lattice.
-// Source of the fibre models: shaders/shared/fibre.wgsl; of root darkening: [Andersen2016] sec. 3.1.
+//! Step 3: shading of the guard hairs, once at each vertex for all lights, with optical depths from
+//! the lattice.
+// Source of the fibre models: shaders/shared/fibre.wgsl; of root darkening: [Andersen2016] sec.
+// 3.1.
 
 use super::Variant;
 use pelage_core::Result;
@@ -23,8 +25,9 @@ impl GuardShade {
 
     /// Fills `shades` for `strands` strands.
     ///
-    /// In scope: `frame`, `strand_batch`, `fur`, `groom`, `lights`, `guard_fibre`, `maps_and_tables`, `shell_vertices`, `prisms`,
-    /// `corner_uv`, `roots`, `strand_vertices`, `tau`, `response_table`, `table_sampler`, `shades`.
+    /// In scope: `frame`, `strand_batch`, `fur`, `groom`, `lights`, `guard_fibre`,
+    /// `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `roots`, `strand_vertices`,
+    /// `tau`, `response_table`, `table_sampler`, `shades`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,4 +1,5 @@
-//! Step 2: extinction at the nodes of the optical-depth lattice, of guard hairs (deposited in fixed point) and undercoat.
+//! Step 2: extinction at the nodes of the optical-depth lattice, of guard hairs (deposited in fixed
+//! point) and undercoat.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
@@ -23,7 +24,8 @@ impl GuardSplat {
 
     /// Adds length times diameter of `strands` strands to `deposits`.
     ///
-    /// In scope: `strand_batch`, `fur`, `groom`, `shell_vertices`, `prisms`, `roots`, `strand_vertices`, `deposits`.
+    /// In scope: `strand_batch`, `fur`, `groom`, `shell_vertices`, `prisms`, `roots`,
+    /// `strand_vertices`, `deposits`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.
@@ -31,9 +33,11 @@ impl GuardSplat {
         recorder.dispatch(&self.deposit, scope, u64::from(strands))
     }
 
-    /// Divides `deposits` by the volumes of `nodes` nodes, adds the undercoat, and writes `lattice_extinction`.
+    /// Divides `deposits` by the volumes of `nodes` nodes, adds the undercoat, and writes
+    /// `lattice_extinction`.
     ///
-    /// In scope: `fur`, `noise`, `shell_vertices`, `prisms`, `corner_uv`, `columns`, `deposits`, `lattice_extinction`.
+    /// In scope: `fur`, `noise`, `shell_vertices`, `prisms`, `corner_uv`, `columns`, `deposits`,
+    /// `lattice_extinction`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

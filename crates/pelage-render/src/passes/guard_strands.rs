@@ -1,5 +1,6 @@
 //! Step 3: guard hairs as tessellated cubic Bézier curves.
-// Source: [Andersen2016] sec. 2, which names Bézier shaping, gravity and grooming by textures; the formulas are ours.
+// Source: [Andersen2016] sec. 2, which names Bézier shaping, gravity and grooming by textures; the
+// formulas are ours.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
@@ -20,7 +21,8 @@ impl GuardStrands {
 
     /// Writes `strand_vertices` of the first `strands` roots.
     ///
-    /// In scope: `strand_batch`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `roots`, `strand_vertices`.
+    /// In scope: `strand_batch`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`,
+    /// `corner_uv`, `roots`, `strand_vertices`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

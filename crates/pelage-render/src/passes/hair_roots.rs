@@ -1,4 +1,5 @@
-//! Step 1: number and positions of the guard hairs' roots, drawn from the triangle's id and thinned by the density map.
+//! Step 1: number and positions of the guard hairs' roots, drawn from the triangle's id and thinned
+//! by the density map.
 // Sources: [VanGelderWilhelms1997], [Andersen2016] sec. 3.
 
 use pelage_core::Result;
@@ -22,9 +23,11 @@ impl HairRoots {
         })
     }
 
-    /// Writes the number of roots of each of the `triangles` triangles of `root_range` to `root_counts`.
+    /// Writes the number of roots of each of the `triangles` triangles of `root_range` to
+    /// `root_counts`.
     ///
-    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `root_counts`.
+    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`,
+    /// `root_counts`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.
@@ -32,9 +35,11 @@ impl HairRoots {
         recorder.dispatch(&self.count, scope, u64::from(triangles))
     }
 
-    /// Writes the roots of the `triangles` triangles of `root_range` to `roots`, each triangle's from its entry of `first_roots`.
+    /// Writes the roots of the `triangles` triangles of `root_range` to `roots`, each triangle's
+    /// from its entry of `first_roots`.
     ///
-    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `first_roots`, `roots`.
+    /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`,
+    /// `first_roots`, `roots`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,4 +1,5 @@
-//! Step 2: lights that the skin itself blocks outside the shell, once per column of the lattice, by a BVH over the skin.
+//! Step 2: lights that the skin itself blocks outside the shell, once per column of the lattice, by
+//! a BVH over the skin.
 // Sources: [KayKajiya1986] for boxes, [MollerTrumbore1997] for triangles.
 
 use pelage_core::Result;
@@ -20,7 +21,8 @@ impl LightOcclusion {
 
     /// Sets `blocked` of `columns` columns.
     ///
-    /// In scope: `fur`, `lights`, `shell_vertices`, `prisms`, `bvh_nodes`, `bvh_triangles`, `columns`.
+    /// In scope: `fur`, `lights`, `shell_vertices`, `prisms`, `bvh_nodes`, `bvh_triangles`,
+    /// `columns`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -24,10 +24,12 @@ impl Resolve {
         })
     }
 
-    /// Resolves the lists of `samples` samples. `exact`: marches the undercoat between the fragments; otherwise blends stored fragments.
+    /// Resolves the lists of `samples` samples. `exact`: marches the undercoat between the
+    /// fragments; otherwise blends stored fragments.
     ///
-    /// In scope: `frame`, `fur`, `base_records`, `fragment_lists`, `samples`, `march_counters`; for `exact` also `noise`,
-    /// `shell_vertices`, `prisms`, `media_or_uv`, `node_light`, `undercoat_fibre`.
+    /// In scope: `frame`, `fur`, `base_records`, `fragment_lists`, `samples`, `march_counters`; for
+    /// `exact` also `noise`, `shell_vertices`, `prisms`, `media_or_uv`, `node_light`,
+    /// `undercoat_fibre`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,4 +1,5 @@
-//! Step 5: where view rays enter the prism shell, through the top faces and through walls over the border of an open skin.
+//! Step 5: where view rays enter the prism shell, through the top faces and through walls over the
+//! border of an open skin.
 // Source: [Andersen2016] sec. 3.2; the walls are ours.
 
 use pelage_core::Result;
@@ -24,7 +25,8 @@ impl ShellEntry {
         })
     }
 
-    /// Adds the entries through the tops of `triangles` prisms and through `walls` border walls to `fragment_lists`.
+    /// Adds the entries through the tops of `triangles` prisms and through `walls` border walls to
+    /// `fragment_lists`.
     ///
     /// In scope: `frame`, `shell_vertices`, `prisms`, `border`, `base_records`, `fragment_lists`.
     ///

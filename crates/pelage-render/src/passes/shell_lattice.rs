@@ -1,4 +1,5 @@
-//! Step 2: attributes of the skin below the columns of the optical-depth lattice, read from the maps.
+//! Step 2: attributes of the skin below the columns of the optical-depth lattice, read from the
+//! maps.
 
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
@@ -19,7 +20,8 @@ impl ShellLattice {
 
     /// Sets density factor and colours of `columns` columns.
     ///
-    /// In scope: `fur`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`, `columns`.
+    /// In scope: `fur`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`,
+    /// `columns`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

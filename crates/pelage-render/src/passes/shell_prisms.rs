@@ -1,4 +1,5 @@
-//! Step 1: the prism shell, extruded along smoothed normals; vertices are lowered where it would fold over or climb too steeply.
+//! Step 1: the prism shell, extruded along smoothed normals; vertices are lowered where it would
+//! fold over or climb too steeply.
 // Source: [Andersen2016] sec. 3.
 
 use pelage_core::Result;
@@ -28,14 +29,15 @@ impl ShellPrisms {
         })
     }
 
-    /// Extrudes `vertices` vertices and writes the prisms of `triangles` triangles. Returns the buffers that must live until the recording
-    /// is submitted.
+    /// Extrudes `vertices` vertices and writes the prisms of `triangles` triangles. Returns the
+    /// buffers that must live until the recording is submitted.
     ///
-    /// In scope: `groom`, `maps_and_tables`, `skin_vertices`, `vertex_uv`, `triangles`, `neighbours`, `edge_numbers`, `subdivisions`,
-    /// `shell_vertices`, `prisms`.
+    /// In scope: `groom`, `maps_and_tables`, `skin_vertices`, `vertex_uv`, `triangles`,
+    /// `neighbours`, `edge_numbers`, `subdivisions`, `shell_vertices`, `prisms`.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`] if the tables of heights do not fit.
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope, [`pelage_core::Error::OutOfMemory`]
+    /// if the tables of heights do not fit.
     pub fn record(
         &self,
         gpu: &Gpu,

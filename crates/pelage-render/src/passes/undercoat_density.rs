@@ -19,8 +19,8 @@ impl UndercoatDensity {
         Ok(Self { main: Kernel::new(gpu, "undercoat_density", "main")? })
     }
 
-    /// Fills `media_or_uv` with the media of `triangles` prisms of `layers` layers. Returns the buffer that must live until the recording is
-    /// submitted.
+    /// Fills `media_or_uv` with the media of `triangles` prisms of `layers` layers. Returns the
+    /// buffer that must live until the recording is submitted.
     ///
     /// In scope: `fur`, `noise`, `shell_vertices`, `prisms`, `corner_uv`, `media_or_uv`.
     ///

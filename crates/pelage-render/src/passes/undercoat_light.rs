@@ -1,5 +1,5 @@
-//! Step 2: optical depths from every node of the lattice towards every light and towards the camera, one dispatch per level from the
-//! top down.
+//! Step 2: optical depths from every node of the lattice towards every light and towards the
+//! camera, one dispatch per level from the top down.
 // Cf. [YukselKeyser2008]
 
 use pelage_core::Result;
@@ -20,10 +20,12 @@ impl UndercoatLight {
         Ok(Self { main: Kernel::new(gpu, "undercoat_light", "main")? })
     }
 
-    /// Fills `tau` at all levels of `columns` columns, `pairs` pairs of lights at each node (the camera counts as a light). Returns the
-    /// buffers that must live until the recording is submitted.
+    /// Fills `tau` at all levels of `columns` columns, `pairs` pairs of lights at each node (the
+    /// camera counts as a light). Returns the buffers that must live until the recording is
+    /// submitted.
     ///
-    /// In scope: `frame`, `fur`, `lights`, `shell_vertices`, `prisms`, `columns`, `lattice_extinction`, `tau`.
+    /// In scope: `frame`, `fur`, `lights`, `shell_vertices`, `prisms`, `columns`,
+    /// `lattice_extinction`, `tau`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,5 +1,5 @@
-//! Step 5: the march that stores fragments of the undercoat, for the blending modes that need them: one shell fragment per entry, or
-//! virtual fragments.
+//! Step 5: the march that stores fragments of the undercoat, for the blending modes that need them:
+//! one shell fragment per entry, or virtual fragments.
 // Source: [Andersen2016] sec. 3.2 and 3.3.
 
 use super::Variant;
@@ -23,8 +23,8 @@ impl UndercoatMarch {
 
     /// Marches from the entries in the lists of `samples` samples and adds fragments to the lists.
     ///
-    /// In scope: `frame`, `fur`, `noise`, `shell_vertices`, `prisms`, `media_or_uv`, `node_light`, `undercoat_fibre`, `base_records`,
-    /// `fragment_lists`, `march_counters`.
+    /// In scope: `frame`, `fur`, `noise`, `shell_vertices`, `prisms`, `media_or_uv`, `node_light`,
+    /// `undercoat_fibre`, `base_records`, `fragment_lists`, `march_counters`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

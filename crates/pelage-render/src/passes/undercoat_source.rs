@@ -1,5 +1,5 @@
-//! Step 2: the light at the nodes that the march looks up: optical depths of the two key lights and one radiance for all others; and
-//! the light on the skin.
+//! Step 2: the light at the nodes that the march looks up: optical depths of the two key lights and
+//! one radiance for all others; and the light on the skin.
 
 use super::Variant;
 use pelage_core::Result;
@@ -26,11 +26,12 @@ impl UndercoatSource {
         })
     }
 
-    /// Fills `node_light` at `nodes` nodes and `base_light` at the columns; with multiple scattering by transport also the scattered radiance
-    /// in `tau`.
+    /// Fills `node_light` at `nodes` nodes and `base_light` at the columns; with multiple
+    /// scattering by transport also the scattered radiance in `tau`.
     ///
-    /// In scope: `frame`, `fur`, `lights`, `undercoat_fibre`, `shell_vertices`, `prisms`, `columns`, `tau`, `field_table`, `sent_table`,
-    /// `response_table`, `table_sampler`, `node_light`, `base_light`.
+    /// In scope: `frame`, `fur`, `lights`, `undercoat_fibre`, `shell_vertices`, `prisms`,
+    /// `columns`, `tau`, `field_table`, `sent_table`, `response_table`, `table_sampler`,
+    /// `node_light`, `base_light`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -15,8 +15,9 @@ pub(super) struct Lattice {
 }
 
 impl Lattice {
-    /// Columns about 2 mm and levels about two mean free paths of the undercoat apart (1 to 8 cells along an edge, 14 to 48 levels), or
-    /// coarser where the lattice would exceed `room` bytes. `tau_stride`: words per node of `tau`.
+    /// Columns about 2 mm and levels about two mean free paths of the undercoat apart (1 to 8 cells
+    /// along an edge, 14 to 48 levels), or coarser where the lattice would exceed `room` bytes.
+    /// `tau_stride`: words per node of `tau`.
     pub fn plan(
         skin: &Skin,
         world: &World,
@@ -55,7 +56,8 @@ impl Lattice {
         Self { cells: edge, levels, reach }
     }
 
-    /// Column at barycentric coordinates `(n - i - j, i, j) / n` of triangle `t`, as `column_index` of `shared/lattice.wgsl` numbers it.
+    /// Column at barycentric coordinates `(n - i - j, i, j) / n` of triangle `t`, as `column_index`
+    /// of `shared/lattice.wgsl` numbers it.
     fn column(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32, t: usize, i: u32, j: u32) -> usize {
         let n = self.cells;
         let v = skin.triangles[t];
@@ -77,7 +79,8 @@ impl Lattice {
         column as usize
     }
 
-    /// The columns, with their grid point in one of their triangles and their share of the skin's area (cm²).
+    /// The columns, with their grid point in one of their triangles and their share of the skin's
+    /// area (cm²).
     pub fn columns(&self, skin: &Skin, edge_numbers: &[[u32; 3]], edges: u32) -> Vec<Column> {
         let n = self.cells;
         let inner = (n - 1) * n.saturating_sub(2) / 2;

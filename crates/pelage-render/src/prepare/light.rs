@@ -10,9 +10,10 @@ use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Gpu, Recorder};
 
 impl Prepared<'_> {
-    /// Computes the light in the fur: extinction at the nodes of the lattice, optical depths towards every light, and the light at each
-    /// node, in which all lights but the key lights are folded into one radiance. Then shades the resident strands. `fibre_table`: the
-    /// undercoat's scattering table, stored behind the nodes in `node_light`.
+    /// Computes the light in the fur: extinction at the nodes of the lattice, optical depths
+    /// towards every light, and the light at each node, in which all lights but the key lights are
+    /// folded into one radiance. Then shades the resident strands. `fibre_table`: the undercoat's
+    /// scattering table, stored behind the nodes in `node_light`.
     pub(super) fn light(
         &mut self,
         world: &World,

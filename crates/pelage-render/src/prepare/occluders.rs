@@ -3,8 +3,8 @@
 use pelage_core::Skin;
 use pelage_fur::layout::BvhNode;
 
-/// A binary BVH over the skin's triangles, built by obvhs: nodes as `light_occlusion` reads them, and triangle numbers in the order of
-/// the leaves.
+/// A binary BVH over the skin's triangles, built by obvhs: nodes as `light_occlusion` reads them,
+/// and triangle numbers in the order of the leaves.
 pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
     use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
     let triangles: Vec<Triangle> = (0..skin.triangles.len())

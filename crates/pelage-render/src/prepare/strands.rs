@@ -46,7 +46,8 @@ pub struct RootBatch {
 }
 
 impl Prepared<'_> {
-    /// Counts the roots of all triangles and divides the triangles into ranges whose strands fit the budget.
+    /// Counts the roots of all triangles and divides the triangles into ranges whose strands fit
+    /// the budget.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if the strands of one triangle exceed it.

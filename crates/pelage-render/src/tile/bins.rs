@@ -28,7 +28,8 @@ impl Bins {
         let film = &world.scene.film;
         let grid = [film.width.div_ceil(edge), film.height.div_ceil(edge)];
         let bins = u64::from(grid[0]) * u64::from(grid[1]);
-        // Tiles extend by the filter's reach; displaced grids move strands by less than two samples, lens points by the circle of confusion.
+        // Tiles extend by the filter's reach; displaced grids move strands by less than two
+        // samples, lens points by the circle of confusion.
         let margin = plan.reach as f32 + 2.0 + plan.blur_margin(world);
         let size = [edge * plan.grid; 2];
         let tiles = TileGrid { origin: [0; 2], size, grid, margin, length: 0.0 };
@@ -69,7 +70,8 @@ pub(super) struct StrandRaster<'a> {
 }
 
 impl StrandRaster<'_> {
-    /// Adds the fragments of the strands of bin `bin` to the lists of the tile of `frame` in `scope`.
+    /// Adds the fragments of the strands of bin `bin` to the lists of the tile of `frame` in
+    /// `scope`.
     pub fn draw(&self, bin: u32, scope: &Scope<'_>, timings: &mut Timings) -> Result<()> {
         match (&self.prepared.resident, self.bins) {
             (Some(strands), Some(bins)) => {

@@ -17,7 +17,8 @@ const MOST_FRAGMENTS: u64 = 400;
 pub(super) struct TileSize {
     /// Edge, pixels.
     pub edge: u32,
-    /// Size of the largest tile in samples, including those that the filter reaches beyond its edge.
+    /// Size of the largest tile in samples, including those that the filter reaches beyond its
+    /// edge.
     pub extent: [u32; 2],
     /// Size of its `fragment_lists`, bytes.
     pub list_bytes: u64,

@@ -1,4 +1,5 @@
-//! Twin of `shaders/base_raster.wgsl`: the nearest triangle of the skin under each sample, by exact integer rasterisation.
+//! Twin of `shaders/base_raster.wgsl`: the nearest triangle of the skin under each sample, by exact
+//! integer rasterisation.
 
 use crate::twin::lattice;
 use glam::{Vec2, Vec3};
@@ -19,7 +20,8 @@ const GRID: f32 = 256.0;
 pub struct Cover {
     /// Whether the triangle is counter-clockwise as seen from the camera.
     pub front: bool,
-    /// Least signed distance of the sample's centre from the lines through the edges, in samples; negative outside.
+    /// Least signed distance of the sample's centre from the lines through the edges, in samples;
+    /// negative outside.
     pub margin: f32,
 }
 
@@ -30,7 +32,8 @@ pub struct Projected {
     front: bool,
 }
 
-/// Rounds a triangle's corners to the grid of 1/256 sample; `None` if one is in front of the near plane or all lie on a line.
+/// Rounds a triangle's corners to the grid of 1/256 sample; `None` if one is in front of the near
+/// plane or all lie on a line.
 pub fn project(frame: &Frame, corners: [Vec3; 3]) -> Option<Projected> {
     let film = corners.map(|p| film_from_world(frame, p));
     if film.iter().any(|p| p.z < frame.near) {
@@ -53,8 +56,9 @@ fn cross(a: [i64; 2], b: [i64; 2], c: [i64; 2]) -> i64 {
 }
 
 impl Projected {
-    /// Position of sample `xy` of the tile relative to the triangle, which covers it if the margin is not negative. By the top-left rule, a
-    /// centre on an edge belongs to the triangle to the right of the edge or below it.
+    /// Position of sample `xy` of the tile relative to the triangle, which covers it if the margin
+    /// is not negative. By the top-left rule, a centre on an edge belongs to the triangle to the
+    /// right of the edge or below it.
     pub fn cover(&self, frame: &Frame, xy: [u32; 2]) -> Cover {
         let p = [0, 1].map(|k| (i64::from(frame.tile_origin[k]) + i64::from(xy[k])) * 256 + 128);
         let margin = (0..3)
@@ -122,7 +126,8 @@ pub struct Base {
     pub normal: Vec3,
 }
 
-/// Shades sample `xy`, at which `triangle` is nearest. `base_light`: radiance of the skin at each column of the lattice, three halves.
+/// Shades sample `xy`, at which `triangle` is nearest. `base_light`: radiance of the skin at each
+/// column of the lattice, three halves.
 pub fn shade(
     frame: &Frame,
     shell: &Shell,

@@ -5,8 +5,9 @@ use pelage_core::mesh::topology::edge_key;
 use pelage_core::skin::NONE;
 use std::collections::HashMap;
 
-/// For each triangle the neighbours over the edges opposite its corners, [`NONE`] at a boundary. An edge counts as a boundary unless its
-/// directed key and the reversed key each have exactly one owner.
+/// For each triangle the neighbours over the edges opposite its corners, [`NONE`] at a boundary. An
+/// edge counts as a boundary unless its directed key and the reversed key each have exactly one
+/// owner.
 pub fn neighbours(triangles: &[[u32; 3]]) -> Vec<[u32; 3]> {
     let side = |t: &[u32; 3], k: usize| (t[(k + 1) % 3], t[(k + 2) % 3]);
     let mut owners: HashMap<u64, Vec<u32>> = HashMap::new();

@@ -49,7 +49,8 @@ pub fn unpack(words: [u32; 8]) -> Sample {
     }
 }
 
-/// The planes of a pixel, filtered from the samples around it, in double precision. `size`: samples of the tile.
+/// The planes of a pixel, filtered from the samples around it, in double precision. `size`: samples
+/// of the tile.
 pub fn pixel(r: &Reconstruction, size: [u32; 2], samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
     let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
     let corner = [0, 1].map(|k| r.origin[k] + (pixel[k] * r.grid) as i32 - r.reach);

@@ -40,8 +40,8 @@ pub fn touched(frame: &Frame, tiles: &TileGrid, strand: &[[f32; 4]]) -> Vec<u32>
     })
 }
 
-/// Whether a strand from `root` (cm) that reaches at most `length` cm from it may touch the tile of `frame`, extended by `margin` samples.
-/// Conservative.
+/// Whether a strand from `root` (cm) that reaches at most `length` cm from it may touch the tile of
+/// `frame`, extended by `margin` samples. Conservative.
 pub fn may_touch(frame: &Frame, root: Vec3, length: f32, margin: f32) -> bool {
     let p = film_from_world(frame, root);
     let nearest = p.z - length;

@@ -20,7 +20,8 @@ pub struct Fragment {
     pub color: Vec4,
 }
 
-/// Part of a box one sample wide, at distance `across` from the middle of a ribbon, that the ribbon covers. All lengths in samples.
+/// Part of a box one sample wide, at distance `across` from the middle of a ribbon, that the ribbon
+/// covers. All lengths in samples.
 pub fn ribbon_coverage(across: f32, radius: f32) -> f32 {
     ((across + 0.5).min(radius) - (across - 0.5).max(-radius)).clamp(0.0, 1.0)
 }
@@ -32,7 +33,8 @@ fn unpack_shade(shade: [u32; 2]) -> (Vec3, bool) {
     (color, half(shade[1] >> 16) > 0.5)
 }
 
-/// Fragments of segment `k` of a strand with shaded vertices, not tested against the skin. `seed`: that of the root.
+/// Fragments of segment `k` of a strand with shaded vertices, not tested against the skin. `seed`:
+/// that of the root.
 pub fn segment(
     frame: &Frame,
     strand: &[[f32; 4]],

@@ -21,7 +21,8 @@ pub const HIDDEN: f32 = 14.0;
 pub struct Shade {
     /// Radiance towards the camera.
     pub radiance: Vec3,
-    /// Least optical depth towards the camera at the corners of its lattice cell; beyond [`HIDDEN`] the shader skips the vertex.
+    /// Least optical depth towards the camera at the corners of its lattice cell; beyond [`HIDDEN`]
+    /// the shader skips the vertex.
     pub eye_tau: f32,
 }
 

@@ -11,7 +11,8 @@ use pelage_fur::undercoat::Undercoat;
 /// Deposits per segment.
 const PARTS: u32 = 2;
 
-/// Length times diameter of strands deposited at the nodes, cm², and its sum over the parts of the strands that lie within the lattice.
+/// Length times diameter of strands deposited at the nodes, cm², and its sum over the parts of the
+/// strands that lie within the lattice.
 pub fn deposits(
     shell: &Shell,
     fur: &FurParameters,
@@ -55,7 +56,8 @@ pub fn volume(shell: &Shell, fur: &FurParameters, column: &Column, level: u32) -
     (column.area * (raised / flat).clamp(0.3, 4.0) * height * cells).max(1e-9)
 }
 
-/// Projected extinction at a node, 1/cm: that of the undercoat, and that of guard hairs that deposited `deposit` cm².
+/// Projected extinction at a node, 1/cm: that of the undercoat, and that of guard hairs that
+/// deposited `deposit` cm².
 pub fn extinction(
     fur: &FurParameters,
     undercoat: &Undercoat<'_>,

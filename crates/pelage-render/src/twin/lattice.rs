@@ -24,8 +24,8 @@ fn edge_column(fur: &FurParameters, edge: u32, a: u32, b: u32, k: u32) -> u32 {
     fur.lattice.vertices + edge * (fur.lattice.cells - 1) + from_smaller - 1
 }
 
-/// Column at barycentric coordinates (n - i - j, i, j) / n of a place's triangle. Columns at the skin's vertices come first, then those
-/// within edges, then those within triangles.
+/// Column at barycentric coordinates (n - i - j, i, j) / n of a place's triangle. Columns at the
+/// skin's vertices come first, then those within edges, then those within triangles.
 pub fn column_index(fur: &FurParameters, place: &Place, i: u32, j: u32) -> u32 {
     let n = fur.lattice.cells;
     let [a, b, c] = place.vertices;

@@ -1,17 +1,20 @@
-//! Twin of `shaders/light_occlusion.wgsl`: which lights the skin blocks, testing every triangle in double precision.
+//! Twin of `shaders/light_occlusion.wgsl`: which lights the skin blocks, testing every triangle in
+//! double precision.
 
 use crate::twin::lattice::node_place;
 use glam::{DVec3, Vec3};
 use pelage_fur::layout::{Column, FurParameters, Light};
 use pelage_fur::shell::Shell;
 
-/// Origin of a column's shadow rays, cm: at the top of the optical-depth lattice, at least slightly above the skin.
+/// Origin of a column's shadow rays, cm: at the top of the optical-depth lattice, at least slightly
+/// above the skin.
 pub fn origin(shell: &Shell, fur: &FurParameters, column: &Column) -> Vec3 {
     let (place, top) = node_place(shell, fur, column, fur.lattice.levels);
     top + place.e1.cross(place.e2).normalize() * 1e-3
 }
 
-/// Parameter at which a ray meets a triangle in front of its origin, if it does. Edges belong to the triangle.
+/// Parameter at which a ray meets a triangle in front of its origin, if it does. Edges belong to
+/// the triangle.
 // [MollerTrumbore1997]
 pub fn hit(corners: [Vec3; 3], origin: Vec3, ray: Vec3) -> Option<f64> {
     let [p0, p1, p2] = corners.map(|p| p.as_dvec3());

@@ -108,12 +108,14 @@ impl Default for Gathered {
     }
 }
 
-/// Sorts fragments by depth, and those of equal depth by source, so that the order of arrival does not matter.
+/// Sorts fragments by depth, and those of equal depth by source, so that the order of arrival does
+/// not matter.
 pub fn sort(nodes: &mut [Node]) {
     nodes.sort_by(|a, b| a.z.total_cmp(&b.z).then(a.source.cmp(&b.source)));
 }
 
-/// Alpha of a shell fragment, reduced by the strands between it and the next shell fragment. `behind`: the fragments behind it, sorted.
+/// Alpha of a shell fragment, reduced by the strands between it and the next shell fragment.
+/// `behind`: the fragments behind it, sorted.
 // [Andersen2016] eq. 4
 // DEVIATION: each strand counts with its own alpha, and the result is clamped to be non-negative.
 pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 {
@@ -126,8 +128,8 @@ pub fn simplified_alpha(attenuation: f32, shell: &Node, behind: &[Node]) -> f32 
     (shell.color.w - taken).max(0.0)
 }
 
-/// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments are reduced by
-/// [`simplified_alpha`]; virtual fragments are blended as they are.
+/// Blends the fragments of a list that `undercoat_march` has filled, nearest first. Shell fragments
+/// are reduced by [`simplified_alpha`]; virtual fragments are blended as they are.
 pub fn blend_fragments(
     undercoat: &UndercoatParameters,
     mut nodes: Vec<Node>,
@@ -145,8 +147,9 @@ pub fn blend_fragments(
     g.finish(base)
 }
 
-/// Blends strands and the undercoat marched from the list's entries, both at their true depths: steps of the march are split at every
-/// strand. An interval shared by two entries counts for the first. `ray`, `phase`: see [`steps`].
+/// Blends strands and the undercoat marched from the list's entries, both at their true depths:
+/// steps of the march are split at every strand. An interval shared by two entries counts for the
+/// first. `ray`, `phase`: see [`steps`].
 // [Max1995]
 pub fn exact(
     inputs: &MarchInputs<'_>,

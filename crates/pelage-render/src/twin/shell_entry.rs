@@ -18,8 +18,8 @@ pub struct Entry {
     pub margin: f32,
 }
 
-/// The faces through which rays may enter, with their prisms: the tops, and two triangles over each border edge. `border`: triangle, and
-/// corner opposite the edge.
+/// The faces through which rays may enter, with their prisms: the tops, and two triangles over each
+/// border edge. `border`: triangle, and corner opposite the edge.
 pub fn faces(shell: &Shell, border: &[[u32; 2]]) -> Vec<(u32, [Vec3; 3])> {
     let skin = |v: u32| Vec3::from(shell.vertices[v as usize].position);
     let raised = |v: u32| {
@@ -35,8 +35,8 @@ pub fn faces(shell: &Shell, border: &[[u32; 2]]) -> Vec<(u32, [Vec3; 3])> {
     tops.chain(walls).collect()
 }
 
-/// Entries of each sample of the tile in front of the skin, nearest first. Back faces are not entries. `base_z`: depth of the skin at each
-/// sample, cm.
+/// Entries of each sample of the tile in front of the skin, nearest first. Back faces are not
+/// entries. `base_z`: depth of the skin at each sample, cm.
 pub fn entries(frame: &Frame, shell: &Shell, border: &[[u32; 2]], base_z: &[f32]) -> Vec<Vec<Entry>> {
     let width = frame.tile_size[0];
     let mut entries = vec![Vec::new(); base_z.len()];

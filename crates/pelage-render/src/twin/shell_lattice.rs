@@ -1,4 +1,5 @@
-//! Twin of `shaders/shell_lattice.wgsl`: attributes of the skin below the columns of the optical-depth lattice.
+//! Twin of `shaders/shell_lattice.wgsl`: attributes of the skin below the columns of the
+//! optical-depth lattice.
 
 use crate::twin::lattice::{column_lambda, pack_albedo};
 use pelage_fur::layout::{Column, FurParameters};

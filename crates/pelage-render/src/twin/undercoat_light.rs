@@ -1,5 +1,5 @@
-//! Oracle for `shaders/undercoat_light.wgsl`: optical depths by a separate march from each place through the undercoat's medium
-//! itself; only guard hairs are read from the lattice.
+//! Oracle for `shaders/undercoat_light.wgsl`: optical depths by a separate march from each place
+//! through the undercoat's medium itself; only guard hairs are read from the lattice.
 
 use crate::twin::lattice;
 use glam::Vec3;
@@ -43,8 +43,8 @@ impl Attenuator<'_> {
         sigma
     }
 
-    /// Optical depth from `x`, which lies at `start`, towards `w`, in steps of `step` cm until the ray leaves the lattice; [`TAU_BLOCKED`] if
-    /// it meets the skin.
+    /// Optical depth from `x`, which lies at `start`, towards `w`, in steps of `step` cm until the
+    /// ray leaves the lattice; [`TAU_BLOCKED`] if it meets the skin.
     pub fn optical_depth(&self, start: &Place, x: Vec3, w: Vec3, step: f32) -> f32 {
         let fur = self.fur;
         let mut place = *start;

@@ -1,5 +1,5 @@
-//! Twin of `shaders/undercoat_march.wgsl`, `shared/march.wgsl` and `shared/phase.wgsl`: the march through the undercoat and the
-//! fragments that it stores.
+//! Twin of `shaders/undercoat_march.wgsl`, `shared/march.wgsl` and `shared/phase.wgsl`: the march
+//! through the undercoat and the fragments that it stores.
 // [Andersen2016] sec. 3.2 and 3.3
 
 use crate::twin::film::halves;
@@ -53,8 +53,9 @@ pub struct Step {
     pub place: Place,
 }
 
-/// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`, until it leaves the shell, and whether the
-/// ray was lost. `phase`: length of the first step, in steps.
+/// The steps of a ray (forward component 1) that enters the shell through `prism` at depth `z`,
+/// until it leaves the shell, and whether the ray was lost. `phase`: length of the first step, in
+/// steps.
 pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32) -> (Vec<Step>, bool) {
     let fur = inputs.fur;
     let shell = inputs.undercoat.shell;
@@ -103,8 +104,8 @@ pub fn steps(inputs: &MarchInputs<'_>, ray: Vec3, prism: u32, z: f32, phase: f32
 /// Light at a place, interpolated between the nodes of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Lookup {
-    /// Scattered radiance per extinction, of all lights except the key lights and of multiple scattering; to be multiplied by
-    /// [`color`].
+    /// Scattered radiance per extinction, of all lights except the key lights and of multiple
+    /// scattering; to be multiplied by [`color`].
     pub ambient: Vec3,
     /// Optical depths towards the two key lights.
     pub tau: [f32; 2],
@@ -133,7 +134,8 @@ pub fn look_up(inputs: &MarchInputs<'_>, place: &Place) -> Lookup {
     Lookup { ambient: ambient_rgb, tau, albedo, density: ambient.w }
 }
 
-/// Radiance that the medium scatters towards the unit direction `view` per extinction, and the density factor of the skin below.
+/// Radiance that the medium scatters towards the unit direction `view` per extinction, and the
+/// density factor of the skin below.
 pub fn source_radiance(inputs: &MarchInputs<'_>, place: &Place, m: Medium, view: Vec3) -> (Vec3, f32) {
     let fur = inputs.fur;
     let found = look_up(inputs, place);
@@ -156,8 +158,9 @@ pub struct Fragment {
     pub color: Vec4,
 }
 
-/// Fragments that a ray with `entries` (depth, prism; in order) stores in front of the skin at depth `z_base`: one shell fragment per entry,
-/// or `fur.undercoat.virtual_fragments` of equal opacity. An interval shared by two entries counts for the first.
+/// Fragments that a ray with `entries` (depth, prism; in order) stores in front of the skin at
+/// depth `z_base`: one shell fragment per entry, or `fur.undercoat.virtual_fragments` of equal
+/// opacity. An interval shared by two entries counts for the first.
 pub fn fragments(
     inputs: &MarchInputs<'_>,
     ray: Vec3,
@@ -208,8 +211,8 @@ fn blend(pieces: &[(f32, f32, f32, Vec3)]) -> Vec4 {
     })
 }
 
-/// Splits the pieces where the transmittance of the entry is 1 - k / n. The depth of a fragment is that at which half of its opacity is
-/// reached.
+/// Splits the pieces where the transmittance of the entry is 1 - k / n. The depth of a fragment is
+/// that at which half of its opacity is reached.
 // DEVIATION: equal opacities; the paper joins a fixed number of steps. [Andersen2016] sec. 3.3
 fn split(pieces: &[(f32, f32, f32, Vec3)], n: u32) -> Vec<Fragment> {
     let mut fragments = Vec::new();

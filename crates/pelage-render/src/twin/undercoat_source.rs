@@ -17,8 +17,8 @@ use std::f32::consts::FRAC_1_PI;
 /// Light at a node of the lattice.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Source {
-    /// log2 of the scattered radiance per extinction, of all lights except the key lights and of multiple scattering; for Kajiya-Kay per
-    /// colour. At least log2 of 1e-7.
+    /// log2 of the scattered radiance per extinction, of all lights except the key lights and of
+    /// multiple scattering; for Kajiya-Kay per colour. At least log2 of 1e-7.
     pub log_ambient: Vec3,
     /// Density of the undercoat relative to that in `fur.undercoat.extinction`.
     pub density: f32,
@@ -64,7 +64,8 @@ pub struct Lattice<'a> {
 }
 
 impl Lattice<'_> {
-    /// Optical depth from a node towards a light, or towards the camera (the number after the last light).
+    /// Optical depth from a node towards a light, or towards the camera (the number after the last
+    /// light).
     pub fn tau(&self, node: u32, light: u32) -> f32 {
         halves(self.tau[(node * self.fur.lattice.tau_stride + light / 2) as usize])[light as usize & 1]
     }
@@ -76,7 +77,8 @@ impl Lattice<'_> {
         [Vec3::new(a, b, c), Vec3::new(d, e, f)]
     }
 
-    /// Scattered radiance at a node from all lights that light the undercoat, for fur of this albedo; zero except with transport.
+    /// Scattered radiance at a node from all lights that light the undercoat, for fur of this
+    /// albedo; zero except with transport.
     pub fn field(&self, node: u32, normal: Vec3, albedo: Vec3) -> Field {
         let mut field = Field::default();
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {
@@ -89,7 +91,8 @@ impl Lattice<'_> {
         field
     }
 
-    /// Sum of [`Table::sent_radiance`] over all lights that light the undercoat, at level `level` of a column; zero except with transport.
+    /// Sum of [`Table::sent_radiance`] over all lights that light the undercoat, at level `level`
+    /// of a column; zero except with transport.
     pub fn sent(&self, column: u32, level: u32, place: &Place) -> [Vec3; 3] {
         let mut sent = [Vec3::ZERO; 3];
         if let (MultipleModel::Transport, Some(table)) = (self.multiple, self.table) {

@@ -4,10 +4,12 @@ use super::{Texture, ktx2::Encoding};
 use block_compression::{BC7Settings, CompressionVariant, decode, encode};
 use pelage_core::film::tonemap::{srgb_decode, srgb_encode};
 
-/// Eight bits per channel: the premultiplied colour encoded as sRGB, coverage linear. Values are clamped to 0..1.
+/// Eight bits per channel: the premultiplied colour encoded as sRGB, coverage linear. Values are
+/// clamped to 0..1.
 // [IEC61966]
 ///
-/// Texture units decode colours before they filter, so filtering and blending work on linear premultiplied colour.
+/// Texture units decode colours before they filter, so filtering and blending work on linear
+/// premultiplied colour.
 pub fn rgba8(texture: &Texture) -> Vec<u8> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texel = |t: &[f32; 4]| {
@@ -26,7 +28,9 @@ pub fn from_rgba8(width: u32, height: u32, bytes: &[u8]) -> Texture {
     Texture { width, height, texels: bytes.chunks_exact(4).map(texel).collect() }
 }
 
-/// Encodes the [`rgba8`] bytes of an image of `size` texels; `Rgba8` returns them unchanged. Sizes that are not multiples of 4 are padded by wrapping around along u, and along v if `wrap_v`, otherwise by repeating the last row.
+/// Encodes the [`rgba8`] bytes of an image of `size` texels; `Rgba8` returns them unchanged. Sizes
+/// that are not multiples of 4 are padded by wrapping around along u, and along v if `wrap_v`,
+/// otherwise by repeating the last row.
 ///
 /// # Errors
 /// If the number of bytes is not four per texel.
@@ -72,12 +76,14 @@ fn variant(encoding: Encoding) -> Option<CompressionVariant> {
     match encoding {
         Encoding::Rgba8 => None,
         Encoding::Bc3 => Some(CompressionVariant::BC3),
-        // Ten times as fast as the slowest settings, and within 0.05 dB of them on textures of hair dots.
+        // Ten times as fast as the slowest settings, and within 0.05 dB of them on textures of hair
+        // dots.
         Encoding::Bc7 => Some(CompressionVariant::BC7(BC7Settings::alpha_very_fast())),
     }
 }
 
-/// Peak signal-to-noise ratio between byte sequences, dB, over colour and coverage alike: infinite if they are equal, 0 if their lengths differ.
+/// Peak signal-to-noise ratio between byte sequences, dB, over colour and coverage alike: infinite
+/// if they are equal, 0 if their lengths differ.
 pub fn psnr(a: &[u8], b: &[u8]) -> f64 {
     if a.len() != b.len() {
         return 0.0;

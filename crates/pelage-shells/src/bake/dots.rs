@@ -36,7 +36,8 @@ fn profile(profile: DotProfile, l: f32) -> f32 {
 impl<'a> DotFur<'a> {
     /// The dots that `dots` describes, on the texels of `block`.
     pub fn new(dots: &'a Dots, block: Block, seed: u32) -> Self {
-        // The tutorial reseeds its generator for each layer to the same effect: hair i is the same in all layers.
+        // The tutorial reseeds its generator for each layer to the same effect: hair i is the same
+        // in all layers.
         let hairs = (0..dots.base.max(dots.tip))
             .map(|i| {
                 let h = hash2(hash2(seed, 0x646f_7473), i);
@@ -77,7 +78,8 @@ impl<'a> DotFur<'a> {
         let layer = |l: u32| {
             let mut texels = vec![[0.0; 4]; width as usize * height as usize];
             let light = self.brightness(l);
-            // The hairs that reach highest are drawn last, so that no hair changes its colour from layer to layer.
+            // The hairs that reach highest are drawn last, so that no hair changes its colour from
+            // layer to layer.
             for dot in self.hairs.iter().take(self.count(l)).rev() {
                 let [r, g, b] = dot.color.map(|c| c * light);
                 for (j, i) in (0..self.dots.size).flat_map(|j| (0..self.dots.size).map(move |i| (j, i))) {
@@ -97,7 +99,8 @@ impl<'a> DotFur<'a> {
         Voxels { layers, guard: Vec::new(), optical_depth, above: 0.0 }
     }
 
-    /// Draws the columns of dots in the first `slab` of the torus along v (as a fraction of its edge), seen along v; columns in front cover those behind.
+    /// Draws the columns of dots in the first `slab` of the torus along v (as a fraction of its
+    /// edge), seen along v; columns in front cover those behind.
     pub fn fin(&self, [width, height]: [u32; 2], slab: f32) -> Texture {
         let [columns, rows] = self.block.resolution;
         let deep = (slab * rows as f32).ceil() as u32;

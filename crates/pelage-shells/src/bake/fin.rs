@@ -21,7 +21,9 @@ struct Drawn {
     guard: bool,
 }
 
-/// Draws the hairs with roots in the first `slab` of the torus along v (as a fraction of its edge), seen along v with u to the right. With `split` the second texture is the guard hairs' contribution; otherwise it is empty.
+/// Draws the hairs with roots in the first `slab` of the torus along v (as a fraction of its edge),
+/// seen along v with u to the right. With `split` the second texture is the guard hairs'
+/// contribution; otherwise it is empty.
 pub fn fin(
     fur: &impl HairSource,
     block: &Block,

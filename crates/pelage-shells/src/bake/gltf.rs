@@ -1,6 +1,8 @@
-//! The fur for other programs as glTF 2.0: the skin as an ordinary mesh, and all that shells and fins need besides.
+//! The fur for other programs as glTF 2.0: the skin as an ordinary mesh, and all that shells and
+//! fins need besides.
 //!
-//! `fur.gltf` and `fur.bin` hold one mesh, in centimetres under a node that scales to glTF's metres. Its attributes:
+//! `fur.gltf` and `fur.bin` hold one mesh, in centimetres under a node that scales to glTF's
+//! metres. Its attributes:
 //!
 //! | attribute | what |
 //! |---|---|
@@ -13,7 +15,8 @@
 //! | `_FUR_NORMAL` | direction in which upright hair stands |
 //! | `_FUR_COLOR` | factor on the textures' colour |
 //!
-//! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings, view and lights.
+//! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings,
+//! view and lights.
 
 mod points;
 
@@ -53,7 +56,8 @@ pub struct Extras {
     pub fin_texture: String,
     /// Which `TEXCOORD` is the place in the layers.
     pub fur_texcoord: u32,
-    /// The hairs in each layer, the innermost first; means of coverage and colour are in the manifest's `summary`.
+    /// The hairs in each layer, the innermost first; means of coverage and colour are in the
+    /// manifest's `summary`.
     pub strays: Vec<Stray>,
     /// Variance of the guard hairs' direction about that of the hair, an axis.
     pub guard_variance: f32,
@@ -70,7 +74,8 @@ pub struct Extras {
 pub struct Stray {
     /// Part of the coverage that is guard hair: it goes along the hair.
     pub guard: f32,
-    /// All else goes along the upright direction and this, world space; none where it goes along the hair too.
+    /// All else goes along the upright direction and this, world space; none where it goes along
+    /// the hair too.
     pub lean: Option<[f32; 3]>,
     /// Variance of its direction about that, an axis.
     pub variance: f32,
@@ -79,12 +84,13 @@ pub struct Stray {
 /// Accessors of the fins, one element an edge.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FinAccessors {
-    /// VEC4 of unsigned integers: vertices of the edge, the third vertex of the face whose edge it is, and that of the neighbour;
-    /// 4294967295 where there is no neighbour.
+    /// VEC4 of unsigned integers: vertices of the edge, the third vertex of the face whose edge it
+    /// is, and that of the neighbour; 4294967295 where there is no neighbour.
     pub edges: u32,
     /// VEC2: u of the fin texture at both ends.
     pub u: u32,
-    /// Depth of fur that a fin stands for, by that of its texture: what a texel lets through is taken to this power, before mips are made.
+    /// Depth of fur that a fin stands for, by that of its texture: what a texel lets through is
+    /// taken to this power, before mips are made.
     pub depth: f32,
     /// Rows of texels that the fin's coarsest mip keeps: light changes from skin to tip.
     pub rows: u32,
@@ -103,9 +109,11 @@ pub struct ShellSettings {
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent.
     pub depth_write: bool,
-    /// Coverage grows with the way that a look takes through a layer; with fins, shells fade where they are seen from the edge.
+    /// Coverage grows with the way that a look takes through a layer; with fins, shells fade where
+    /// they are seen from the edge.
     pub slanted: bool,
-    /// Shells drawn, from the skin outwards; layer l stands at the height (l + 0.5) / `manifest.layers` of the hair.
+    /// Shells drawn, from the skin outwards; layer l stands at the height (l + 0.5) /
+    /// `manifest.layers` of the hair.
     pub layers: u32,
     /// The lighting table.
     pub table: LightingTable,
@@ -139,12 +147,13 @@ pub struct ViewLight {
     pub irradiance: [f32; 3],
 }
 
-/// Writes [`GLTF_FILE`] and [`BIN_FILE`] into the folder `dir` and returns their paths. The textures, which the document names
-/// ([`LAYERS_FILE`], [`FIN_FILE`]), are not written here.
+/// Writes [`GLTF_FILE`] and [`BIN_FILE`] into the folder `dir` and returns their paths. The
+/// textures, which the document names ([`LAYERS_FILE`], [`FIN_FILE`]), are not written here.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where `lapped` is not of this skin, sizes of the textures are not positive, the skin has no uv though the
-/// scene maps by it, or a map of `[shells]` is not loaded; [`Error::Io`].
+/// [`Error::Unsupported`] where `lapped` is not of this skin, sizes of the textures are not
+/// positive, the skin has no uv though the scene maps by it, or a map of `[shells]` is not loaded;
+/// [`Error::Io`].
 pub fn write(
     world: &World,
     lapped: &crate::lapped::Lapped,
@@ -303,7 +312,8 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// A glTF buffer, with a view and an accessor for each array in it. All elements are of 4 bytes, so that all is aligned.
+/// A glTF buffer, with a view and an accessor for each array in it. All elements are of 4 bytes, so
+/// that all is aligned.
 #[derive(Default)]
 struct Bin {
     bytes: Vec<u8>,

@@ -1,4 +1,7 @@
-//! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and gravity are left out, because the renderer bends the shells along the combed hair. A combed hair rises less, so all are given the mean height of combed hair on the skin, and are made thicker by the same factor so that each keeps its coverage.
+//! The groom's guard hairs on a torus: those of `shaders/guard_strands.wgsl`, upright. Comb and
+//! gravity are left out, because the renderer bends the shells along the combed hair. A combed hair
+//! rises less, so all are given the mean height of combed hair on the skin, and are made thicker by
+//! the same factor so that each keeps its coverage.
 
 use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
@@ -32,7 +35,8 @@ pub(super) struct GuardFur<'a> {
 }
 
 impl<'a> GuardFur<'a> {
-    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most`, each representing several if there are more.
+    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most`, each representing
+    /// several if there are more.
     pub fn new(guard: &'a Guard, means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
         let seed = hash2(seed, 0x6775_6172);
         let area = patch * patch;
@@ -56,7 +60,8 @@ impl<'a> GuardFur<'a> {
         }
     }
 
-    /// Height below which the fraction `part` of the hairs' length x diameter lies, cm; 0 without hair.
+    /// Height below which the fraction `part` of the hairs' length x diameter lies, cm; 0 without
+    /// hair.
     pub fn height_of(&self, part: f64) -> f32 {
         const BINS: usize = 1024;
         // A curl may rise slightly above the length of the hair.
@@ -84,7 +89,8 @@ impl<'a> GuardFur<'a> {
     }
 }
 
-/// Height of the tip of a hair of length 1, combed and bent as `guard` says, averaged over the skin.
+/// Height of the tip of a hair of length 1, combed and bent as `guard` says, averaged over the
+/// skin.
 fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
     let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(Parameter::GuardComb);
     let mean = means.over_normals(|n| {

@@ -8,10 +8,12 @@ use glam::Vec3;
 use pelage_core::scene::FurLayers;
 use pelage_core::{Error, Result, World};
 
-/// Largest number of hairs of each kind per texel of a layer; if the patch has more, each represents several.
+/// Largest number of hairs of each kind per texel of a layer; if the patch has more, each
+/// represents several.
 const HAIRS_A_TEXEL: u32 = 8;
 
-/// Fraction of the guard hairs' length x diameter below the default height; the tips of the longest hairs are left out.
+/// Fraction of the guard hairs' length x diameter below the default height; the tips of the longest
+/// hairs are left out.
 const WITHIN: f64 = 0.99;
 
 /// Both layers of a groom, guard hairs first.

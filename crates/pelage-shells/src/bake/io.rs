@@ -96,7 +96,8 @@ pub fn check(textures: &FurTextures) -> Result<()> {
     Ok(())
 }
 
-/// Checks before a long computation that [`write()`] can write to `dir`, and creates the folder if it does not exist.
+/// Checks before a long computation that [`write()`] can write to `dir`, and creates the folder if
+/// it does not exist.
 ///
 /// # Errors
 /// [`Error::Io`].
@@ -108,7 +109,9 @@ pub fn check_folder(dir: &Path) -> Result<()> {
     check_target(&dir.join(MANIFEST))
 }
 
-/// Writes textures, all levels of detail, their manifest and its schema to the folder `dir`, which is created if it does not exist. Files of the same names are replaced, others are left alone. Returns the paths, the manifest last: all files that it lists are complete.
+/// Writes textures, all levels of detail, their manifest and its schema to the folder `dir`, which
+/// is created if it does not exist. Files of the same names are replaced, others are left alone.
+/// Returns the paths, the manifest last: all files that it lists are complete.
 ///
 /// # Errors
 /// [`Error::Unsupported`] as [`check`]; [`Error::Usage`] without formats; [`Error::Io`].
@@ -214,7 +217,8 @@ fn tasks<'a>(textures: &'a FurTextures, levels: &'a [LodLevel], formats: &[Forma
         if formats.contains(&Format::Png) {
             single(Texels::PngStraight, "png");
         }
-        // Only what a client draws; the guard hairs' contribution is for programs that light it separately.
+        // Only what a client draws; the guard hairs' contribution is for programs that light it
+        // separately.
         let drawn = matches!(content, Layers | Fin);
         for (format, texels, suffix) in [
             (Format::Ktx2, Texels::Ktx2Rgba8, ""),
@@ -320,7 +324,9 @@ pub fn load_manifest(path: &Path) -> Result<ManifestFile> {
 /// Reads the finest textures back, unchanged, from the EXR files that a manifest lists.
 ///
 /// # Errors
-/// [`Error::Io`] with the file, what was found and what was expected: files that are missing, damaged or of another size than the manifest's; coverage outside 0..1 or values that are not finite; a manifest without EXR files.
+/// [`Error::Io`] with the file, what was found and what was expected: files that are missing,
+/// damaged or of another size than the manifest's; coverage outside 0..1 or values that are not
+/// finite; a manifest without EXR files.
 pub fn load(manifest: &Path) -> Result<FurTextures> {
     let file = load_manifest(manifest)?;
     let folder = manifest.parent().unwrap_or(Path::new(""));

@@ -1,4 +1,7 @@
-//! Writes and reads the few kinds of KTX 2.0 files that baked textures need: all mip levels of one plain image or of an array of layers; 8-bit RGBA, BC3 or BC7; colour premultiplied in linear light and then encoded as sRGB, coverage linear. There is no supercompression, so that a client uploads the bytes as they are.
+//! Writes and reads the few kinds of KTX 2.0 files that baked textures need: all mip levels of one
+//! plain image or of an array of layers; 8-bit RGBA, BC3 or BC7; colour premultiplied in linear
+//! light and then encoded as sRGB, coverage linear. There is no supercompression, so that a client
+//! uploads the bytes as they are.
 // [KTX2] sec. 3 (file structure), 3.10 (data format descriptor), 5 (keys)
 
 use super::mips;
@@ -50,7 +53,8 @@ impl Encoding {
         w * h * u64::from(self.block_bytes())
     }
 
-    /// Colour model, and for each sample [bit offset, bits, channel with qualifiers, largest value].
+    /// Colour model, and for each sample [bit offset, bits, channel with qualifiers, largest
+    /// value].
     fn samples(self) -> (u8, Vec<[u32; 4]>) {
         // Coverage is linear although colours are not.
         const ALPHA_LINEAR: u32 = 15 | 0x10;
@@ -74,7 +78,8 @@ pub struct Ktx2 {
     pub size: [u32; 2],
     /// Layers of an array; `None` for a plain two-dimensional image.
     pub layers: Option<u32>,
-    /// The bytes of each mip level, finest first: layer by layer, row of blocks by row of blocks, v = 0 first.
+    /// The bytes of each mip level, finest first: layer by layer, row of blocks by row of blocks, v
+    /// = 0 first.
     pub levels: Vec<Vec<u8>>,
 }
 
@@ -87,7 +92,8 @@ impl Ktx2 {
     /// Encodes the file.
     ///
     /// # Errors
-    /// A description of the inconsistency: an empty image, more levels than the size allows, or a level whose length is not [`Ktx2::level_bytes`].
+    /// A description of the inconsistency: an empty image, more levels than the size allows, or a
+    /// level whose length is not [`Ktx2::level_bytes`].
     pub fn encode(&self) -> Result<Vec<u8>, String> {
         self.check()?;
         let levels = self.levels.len();
@@ -243,7 +249,8 @@ impl Ktx2 {
 fn keys() -> Vec<u8> {
     let mut data = Vec::new();
     let writer = concat!("pelage ", env!("CARGO_PKG_VERSION"));
-    // "rd": the first row of texels has v = 0, and v grows downwards when the texture is viewed as an image.
+    // "rd": the first row of texels has v = 0, and v grows downwards when the texture is viewed as
+    // an image.
     for (key, value) in [("KTXorientation", "rd"), ("KTXwriter", writer)] {
         let entry = format!("{key}\0{value}\0");
         data.extend((entry.len() as u32).to_le_bytes());

@@ -101,8 +101,8 @@ pub struct FileEntry {
     pub mips: u32,
     /// Bytes of the file.
     pub bytes: u64,
-    /// Peak signal-to-noise ratio of the finest mip level against the uncompressed bytes, dB; only where it is compressed with loss
-    /// and not equal.
+    /// Peak signal-to-noise ratio of the finest mip level against the uncompressed bytes, dB; only
+    /// where it is compressed with loss and not equal.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f32>,
     /// Change of the mean coverage by compression, as part of it.
@@ -130,7 +130,8 @@ pub enum Content {
 pub enum Texels {
     /// OpenEXR: 32-bit floats, linear, premultiplied. Exact.
     ExrFloat,
-    /// PNG: 8 bits, sRGB, not premultiplied; texels without coverage have the colour of those around them.
+    /// PNG: 8 bits, sRGB, not premultiplied; texels without coverage have the colour of those
+    /// around them.
     PngStraight,
     /// KTX 2.0, R8G8B8A8_SRGB: premultiplied in linear light, then encoded; coverage linear.
     Ktx2Rgba8,

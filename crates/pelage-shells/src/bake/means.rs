@@ -68,7 +68,8 @@ impl<'a> SkinSamples<'a> {
         if area > 0.0 { (sum / area).as_vec3() } else { Vec3::ONE }
     }
 
-    /// Whether the skin carries undercoat at all; without it the parameter of its height is the renderer's own.
+    /// Whether the skin carries undercoat at all; without it the parameter of its height is the
+    /// renderer's own.
     pub fn has_undercoat(&self) -> bool {
         self.packed.undercoat.extinction > 0.0
     }

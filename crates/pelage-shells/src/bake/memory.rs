@@ -38,7 +38,8 @@ pub fn table(layers: u32, resolution: [u32; 2], fin: [u32; 2]) -> Vec<MemoryRow>
     // Levels of detail: halved, rounded up, down to one layer.
     let coarser = std::iter::successors(Some(layers), |n| (*n > 1).then(|| n.div_ceil(2))).skip(1);
     let lods = [(coarser.map(u64::from).sum::<u64>() + u64::from(layers), resolution), (1, fin)];
-    // One image for all layers of upright hair, with a ramp over height in the client, and one for the skin, as in the paper.
+    // One image for all layers of upright hair, with a ramp over height in the client, and one for
+    // the skin, as in the paper.
     let single = [(2, resolution), (1, fin)];
     vec![
         row("layers and fin, RGBA8", Rgba8, &all, "1.6 MB with mips"),

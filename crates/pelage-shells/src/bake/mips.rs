@@ -5,9 +5,12 @@ use super::Texture;
 /// What a mip chain preserves of its finest level.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Keep {
-    /// Mean coverage and mean premultiplied colour, for blended layers. The stack of filtered layers is slightly more opaque than the filtered stack, because hairs that continue through several layers are then no longer hidden behind one another.
+    /// Mean coverage and mean premultiplied colour, for blended layers. The stack of filtered
+    /// layers is slightly more opaque than the filtered stack, because hairs that continue through
+    /// several layers are then no longer hidden behind one another.
     Mean,
-    /// Fraction of texels whose coverage is at least this threshold in 0..1, for alpha-tested layers: coverage and colour are scaled in each level. The mean is not preserved.
+    /// Fraction of texels whose coverage is at least this threshold in 0..1, for alpha-tested
+    /// layers: coverage and colour are scaled in each level. The mean is not preserved.
     Share(f32),
 }
 
@@ -49,7 +52,9 @@ pub fn share(texture: &Texture, threshold: f32) -> f64 {
     above as f64 / texture.texels.len().max(1) as f64
 }
 
-/// Box filter of premultiplied texels: each texel of the result is the mean over its area, partial texels included, so that means are preserved for any size. No box extends beyond the texture, so wrapping does not matter.
+/// Box filter of premultiplied texels: each texel of the result is the mean over its area, partial
+/// texels included, so that means are preserved for any size. No box extends beyond the texture, so
+/// wrapping does not matter.
 fn resize(from: &Texture, [width, height]: [u32; 2]) -> Texture {
     let (columns, rows) = (taps(from.width, width), taps(from.height, height));
     let mut texels = Vec::with_capacity(width as usize * height as usize);
@@ -68,7 +73,8 @@ fn resize(from: &Texture, [width, height]: [u32; 2]) -> Texture {
     Texture { width, height, texels }
 }
 
-/// For each of `to` texels along an axis, the indices of the `from` texels that it covers and their weights, which sum to 1.
+/// For each of `to` texels along an axis, the indices of the `from` texels that it covers and their
+/// weights, which sum to 1.
 fn taps(from: u32, to: u32) -> Vec<Vec<(usize, f64)>> {
     let (from, to) = (u64::from(from), u64::from(to));
     // In units of 1/`to` of a fine texel all positions are integers.
@@ -81,8 +87,11 @@ fn taps(from: u32, to: u32) -> Vec<Vec<(usize, f64)>> {
     (0..to).map(cover).collect()
 }
 
-/// Scales coverage and colour so that the fraction `wanted` of the texels reaches the threshold, as nearly as their number and equal values allow.
-// [Castano2010]. DEVIATION: the scale is found by sorting instead of bisection. The threshold is placed midway between the last texel that shall pass and the first that shall not, so that rounding to 8 bits seldom changes the result.
+/// Scales coverage and colour so that the fraction `wanted` of the texels reaches the threshold, as
+/// nearly as their number and equal values allow.
+// [Castano2010]. DEVIATION: the scale is found by sorting instead of bisection. The threshold is
+// placed midway between the last texel that shall pass and the first that shall not, so that
+// rounding to 8 bits seldom changes the result.
 fn scale_to_share(level: &mut Texture, threshold: f32, wanted: f64) {
     let mut coverage: Vec<f32> = level.texels.iter().map(|t| t[3]).filter(|a| *a > 0.0).collect();
     coverage.sort_by(|a, b| b.total_cmp(a));

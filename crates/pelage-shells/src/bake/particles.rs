@@ -40,7 +40,9 @@ impl HairSource for ParticleFur<'_> {
         even_root(self.seed, i, self.parameters.count)
     }
 
-    // DEVIATION: the paper does not say how the particles move. Here curl and clumps are offsets from the particle's path, so that their radius and place can be set, and every particle rises by equal steps.
+    // DEVIATION: the paper does not say how the particles move. Here curl and clumps are offsets
+    // from the particle's path, so that their radius and place can be set, and every particle rises
+    // by equal steps.
     fn hair(&self, i: u32) -> Hair {
         let p = self.parameters;
         let seed = hash2(hash2(self.seed, 2), i);
@@ -56,7 +58,8 @@ impl HairSource for ParticleFur<'_> {
             .map(|k| {
                 let s = k as f32 * ds;
                 if k > 0 {
-                    // Horizontal velocity per height: a random walk, and a drop that grows towards the tip.
+                    // Horizontal velocity per height: a random walk, and a drop that grows towards
+                    // the tip.
                     let kick = Vec2::new(gauss(seed, 2 * k + 10), gauss(seed, 2 * k + 11));
                     slope += p.noise * ds.sqrt() * kick + Vec2::new(p.gravity * ds, 0.0);
                     path += slope * (height * ds);

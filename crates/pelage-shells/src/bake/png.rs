@@ -4,7 +4,8 @@ use super::{Texture, mips};
 use pelage_core::files::Failure;
 use pelage_core::film::tonemap::srgb_encode;
 
-/// Encodes the file. Texels without coverage take the mean colour around them, so that clients that filter straight colours get no dark fringes.
+/// Encodes the file. Texels without coverage take the mean colour around them, so that clients that
+/// filter straight colours get no dark fringes.
 pub(super) fn encode(texture: &Texture) -> Result<Vec<u8>, Failure> {
     let straight = straight(texture);
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
@@ -24,7 +25,8 @@ pub(super) fn encode(texture: &Texture) -> Result<Vec<u8>, Failure> {
     Ok(file)
 }
 
-/// Straight colours. A texel without coverage takes its colour from the finest mip level that has coverage there; black if none has.
+/// Straight colours. A texel without coverage takes its colour from the finest mip level that has
+/// coverage there; black if none has.
 fn straight(texture: &Texture) -> Vec<[f32; 3]> {
     let mut colors: Vec<[f32; 3]> = Vec::new();
     let mut coarser: Option<[u32; 2]> = None;

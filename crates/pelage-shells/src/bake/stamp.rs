@@ -2,7 +2,8 @@
 
 use glam::Vec2;
 
-/// The texels that a hair touches, in its own coordinates: (0, 0) is the texel of the root, and nothing is wrapped yet.
+/// The texels that a hair touches, in its own coordinates: (0, 0) is the texel of the root, and
+/// nothing is wrapped yet.
 #[derive(Default)]
 pub(super) struct Stamp {
     steps: Vec<(Vec2, f32)>,
@@ -35,7 +36,8 @@ impl Stamp {
         self.steps.iter().map(|(_, area)| area).sum()
     }
 
-    /// Spreads the steps by a Gaussian of standard deviation `sigma` texels; each step keeps its area. With `rows`, the Gaussian is confined to rows 0..rows.
+    /// Spreads the steps by a Gaussian of standard deviation `sigma` texels; each step keeps its
+    /// area. With `rows`, the Gaussian is confined to rows 0..rows.
     pub fn spread(&mut self, sigma: Vec2, rows: Option<u32>) {
         let sigma = sigma.clamp(Vec2::splat(0.05), Vec2::splat(WIDEST));
         let reach = (3.0 * sigma).ceil().as_ivec2();
@@ -88,7 +90,9 @@ impl Stamp {
         if self.steps.is_empty() { 0.0 } else { (high - low).length() }
     }
 
-    /// Scales the depths until the hair alone covers its area; where it overlaps itself, 1 − exp(−τ) covers less. Hairs at random places then attenuate light according to the Beer–Lambert law, because each covers its fraction of what is left.
+    /// Scales the depths until the hair alone covers its area; where it overlaps itself, 1 −
+    /// exp(−τ) covers less. Hairs at random places then attenuate light according to the
+    /// Beer–Lambert law, because each covers its fraction of what is left.
     pub fn cover(&mut self) {
         self.touched.clear();
         self.touched.extend(self.depth.iter().filter(|d| **d > 0.0));
@@ -112,16 +116,20 @@ impl Stamp {
     }
 }
 
-/// Standard deviation of the Gaussian with which a hair of `area` texels, `diameter` texels thick along both axes and `extent` texels long, can cover its whole area; at least [`sigma_of`] the diameter.
+/// Standard deviation of the Gaussian with which a hair of `area` texels, `diameter` texels thick
+/// along both axes and `extent` texels long, can cover its whole area; at least [`sigma_of`] the
+/// diameter.
 pub(super) fn roomy_sigma(diameter: Vec2, extent: f32, area: f32) -> Vec2 {
     let sigma = sigma_of(diameter);
-    // A Gaussian with a peak optical depth of 12 covers 6.1 π σ²; along a line it covers a width of about 5 σ.
+    // A Gaussian with a peak optical depth of 12 covers 6.1 π σ²; along a line it covers a width of
+    // about 5 σ.
     let mean = (sigma.x * sigma.y).sqrt();
     let room = 19.2 * mean * mean + 5.0 * mean * extent;
     sigma * (area / room).sqrt().max(1.0)
 }
 
-/// Standard deviation of half a texel, widened by the hair: a disc has a standard deviation of a quarter of its diameter along an axis.
+/// Standard deviation of half a texel, widened by the hair: a disc has a standard deviation of a
+/// quarter of its diameter along an axis.
 pub(super) fn sigma_of(diameter: Vec2) -> Vec2 {
     let quarter = 0.25 * diameter;
     (Vec2::splat(0.25) + quarter * quarter).map(f32::sqrt)

@@ -1,4 +1,5 @@
-//! Hairs on a torus, as the sources of textures grow them, before they are sampled into layers and fins.
+//! Hairs on a torus, as the sources of textures grow them, before they are sampled into layers and
+//! fins.
 
 use glam::Vec3;
 
@@ -93,7 +94,8 @@ impl Hair {
         self.knots.iter().map(|k| k.diameter).fold(0.0, f32::max)
     }
 
-    /// Divides the hair into steps no longer than `cell` (cm) along each axis and passes those with a midpoint from `low` to `high` cm to `step`.
+    /// Divides the hair into steps no longer than `cell` (cm) along each axis and passes those with
+    /// a midpoint from `low` to `high` cm to `step`.
     pub(super) fn steps(&self, cell: Vec3, low: f32, high: f32, mut step: impl FnMut(Step)) {
         for pair in self.knots.windows(2) {
             let [a, b] = [&pair[0], &pair[1]];

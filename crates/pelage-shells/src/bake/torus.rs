@@ -5,13 +5,16 @@ use noise::{NoiseFn, Simplex};
 use pelage_fur::random::{R2_STEPS, hash2, random};
 use std::f64::consts::TAU;
 
-/// Standard deviation of the `noise` crate's three-dimensional simplex noise over all points and seeds.
+/// Standard deviation of the `noise` crate's three-dimensional simplex noise over all points and
+/// seeds.
 pub(super) const NOISE_SPREAD: f64 = 0.279;
 
 /// Points per side of the grid on which a noise is measured.
 const GRID: u32 = 48;
 
-/// Simplex noise with the period of the torus: four-dimensional noise on a flat torus embedded in four dimensions, so that lengths are preserved. Its mean over the torus is 0, its standard deviation that of three-dimensional simplex noise.
+/// Simplex noise with the period of the torus: four-dimensional noise on a flat torus embedded in
+/// four dimensions, so that lengths are preserved. Its mean over the torus is 0, its standard
+/// deviation that of three-dimensional simplex noise.
 // [Gustavson2005]
 pub(super) struct PeriodicNoise {
     simplex: Simplex,
@@ -22,7 +25,8 @@ pub(super) struct PeriodicNoise {
 }
 
 impl PeriodicNoise {
-    /// Noise with `periods` bumps along u and v; `shift` distinguishes noises of the same seed. With less than one bump the amplitude is lower.
+    /// Noise with `periods` bumps along u and v; `shift` distinguishes noises of the same seed.
+    /// With less than one bump the amplitude is lower.
     pub fn new(seed: u32, periods: [f32; 2], shift: f64) -> Self {
         let radius = periods.map(|p| f64::from(p) / TAU);
         let mut noise = Self { simplex: Simplex::new(seed), radius, shift, mean: 0.0, gain: 1.0 };
@@ -35,7 +39,8 @@ impl PeriodicNoise {
         let count = f64::from(GRID * GRID);
         noise.mean = sum / count;
         let deviation = (squares / count - noise.mean * noise.mean).max(0.0).sqrt();
-        // A torus smaller than a bump contains only part of it, which is not amplified to a whole one.
+        // A torus smaller than a bump contains only part of it, which is not amplified to a whole
+        // one.
         noise.gain = (NOISE_SPREAD / deviation.max(1e-6)).min(3.0);
         noise
     }
@@ -95,7 +100,8 @@ impl ClumpCentres {
     }
 }
 
-/// Place of root `i` of `count` in units of the torus's edges: a jittered low-discrepancy sequence, even but without visible rows.
+/// Place of root `i` of `count` in units of the torus's edges: a jittered low-discrepancy sequence,
+/// even but without visible rows.
 // [Roberts2018]
 pub(super) fn even_root(seed: u32, i: u32, count: u32) -> [f32; 2] {
     let h = hash2(seed, i);

@@ -1,6 +1,9 @@
-//! The groom's undercoat on a torus, realised as hairs with the number, thickness and unevenness of the volume (`shaders/shared/clumps.wgsl`).
+//! The groom's undercoat on a torus, realised as hairs with the number, thickness and unevenness of
+//! the volume (`shaders/shared/clumps.wgsl`).
 //!
-//! Hairs are denser where the noise is high, end where the volume's noise ends them, and wander as the volume's tangents do. Their optical depth is the volume's, hairs/cm² times diameter, however they bend.
+//! Hairs are denser where the noise is high, end where the volume's noise ends them, and wander as
+//! the volume's tangents do. Their optical depth is the volume's, hairs/cm² times diameter, however
+//! they bend.
 
 use super::guard::whole;
 use super::means::SkinSamples;
@@ -41,7 +44,9 @@ pub(super) struct UndercoatFur<'a> {
 }
 
 impl<'a> UndercoatFur<'a> {
-    /// The undercoat `undercoat` on a torus of `patch` cm, as at most `most` hairs, each representing several if there are more. `combed` stretches the noise along u, as the volume's is along its lean.
+    /// The undercoat `undercoat` on a torus of `patch` cm, as at most `most` hairs, each
+    /// representing several if there are more. `combed` stretches the noise along u, as the
+    /// volume's is along its lean.
     pub fn new(
         undercoat: &'a Undercoat,
         means: &SkinSamples,
@@ -65,7 +70,7 @@ impl<'a> UndercoatFur<'a> {
             [n * stretch, n]
         };
         Self {
-            coat,
+            undercoat,
             count,
             weight,
             height,
@@ -106,7 +111,8 @@ impl HairSource for UndercoatFur<'_> {
         let mut at = Vec2::ZERO;
         for k in 0..ATTEMPTS {
             at = Vec2::new(random(seed, 3 * k + 100), random(seed, 3 * k + 101));
-            // The noises stay within about ±1, so the factor stays below 1 + 0.675 x 1.1 times the contrast.
+            // The noises stay within about ±1, so the factor stays below 1 + 0.675 x 1.1 times the
+            // contrast.
             if random(seed, 3 * k + 102) * (1.0 + 0.75 * self.undercoat.noise_contrast)
                 < self.clump(at, MIDDLE)
             {
@@ -121,7 +127,8 @@ impl HairSource for UndercoatFur<'_> {
         let seed = hash2(self.seed, i);
         let root = self.root(i);
         let at = Vec2::from(root);
-        // The fractions of ended hairs are evenly distributed, so that the volume thins out as hairs end one after the other.
+        // The fractions of ended hairs are evenly distributed, so that the volume thins out as
+        // hairs end one after the other.
         let ended = (0.618_034 * f64::from(i) + f64::from(random(self.seed, 0))).fract() as f32;
         let top = hair_top(undercoat.height_variation, self.swells.at(at), self.locks.at(at));
         let end = end_height(top, ended).clamp(0.02, 1.0);
@@ -130,7 +137,8 @@ impl HairSource for UndercoatFur<'_> {
         let turns = [0, 1, 2].map(|k| random_direction(seed, 10 + 2 * k));
         let ratio = undercoat.diameter[1] / undercoat.diameter[0].max(1e-6);
         let middle = self.clump(at, MIDDLE).max(1e-3);
-        // DEVIATION: the volume has one colour per height. Dense hairs of a single colour look like fog, so brightness varies between hairs, as far as the mean can be kept.
+        // DEVIATION: the volume has one colour per height. Dense hairs of a single colour look like
+        // fog, so brightness varies between hairs, as far as the mean can be kept.
         let brightest = self.color_root.max(self.color_tip).max_element().max(1e-3);
         let tone = 1.0 + TONE.min((1.0 / brightest - 1.0).max(0.0)) * (2.0 * random(seed, 2) - 1.0);
         let mut offset = Vec3::ZERO;

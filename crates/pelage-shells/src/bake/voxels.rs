@@ -23,9 +23,12 @@ pub struct Block {
 /// Quantity that is preserved when a hair is sampled.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Keep {
-    /// Optical depth: the sum of the depths of a hair's texels, times their area, is its length x diameter.
+    /// Optical depth: the sum of the depths of a hair's texels, times their area, is its length x
+    /// diameter.
     Depth,
-    /// Coverage: the sum of the coverages of a hair's texels, as if it were alone, times their area, is its length x diameter. The transmittance of many hairs then follows the Beer–Lambert law, whatever the size of the texels.
+    /// Coverage: the sum of the coverages of a hair's texels, as if it were alone, times their
+    /// area, is its length x diameter. The transmittance of many hairs then follows the
+    /// Beer–Lambert law, whatever the size of the texels.
     Coverage,
 }
 
@@ -67,7 +70,9 @@ struct Layer {
     stamp: Stamp,
 }
 
-/// Samples hairs into layers; `split` keeps the guard hairs' contribution. The result does not depend on the number of threads. If all roots are moved by whole texels, it moves with them, bit by bit.
+/// Samples hairs into layers; `split` keeps the guard hairs' contribution. The result does not
+/// depend on the number of threads. If all roots are moved by whole texels, it moves with them, bit
+/// by bit.
 pub fn voxelise(fur: &impl HairSource, block: &Block, keep: Keep, split: bool) -> Voxels {
     let [width, height] = block.resolution;
     let texels = width as usize * height as usize;
@@ -107,7 +112,8 @@ impl Layer {
         stamp.clear();
         let low = if l == 0 { f32::NEG_INFINITY } else { (l as f32 + 0.5 - REACH) * spacing };
         let high = ((l as f32 + 0.5 + REACH) * spacing).min(block.height);
-        // Steps of at most 0.7 texels, or half the Gaussian of a thick hair, and a quarter of a spacing.
+        // Steps of at most 0.7 texels, or half the Gaussian of a thick hair, and a quarter of a
+        // spacing.
         let cell = (0.7 * texel).max(Vec2::splat(0.125 * hair.thickest()));
         hair.steps(cell.extend(0.25 * spacing), low, high, |step| {
             let part = share((step.at.z / spacing).max(0.0), l, block.layers);

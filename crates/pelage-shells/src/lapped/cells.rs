@@ -1,5 +1,5 @@
-//! What overlapping patches cover, exactly: each face is cut into cells, and a cell is covered once a single patch holds all
-//! of it inside its outline.
+//! What overlapping patches cover, exactly: each face is cut into cells, and a cell is covered once
+//! a single patch holds all of it inside its outline.
 
 use super::{
     outline::{Outline, Relation},

@@ -1,7 +1,8 @@
 //! The direction of the hair on each face, as a unit number in the face's frame.
 //!
-//! All sources end in the same system: the connection Laplacian of the dual graph, which asks that directions change little
-//! from face to face when the two are laid flat. Singular points, which a sphere cannot be without, come where they may.
+//! All sources end in the same system: the connection Laplacian of the dual graph, which asks that
+//! directions change little from face to face when the two are laid flat. Singular points, which a
+//! sphere cannot be without, come where they may.
 
 use super::{
     solve::{Complex, Factor},
@@ -18,12 +19,12 @@ const ZERO: Complex = Complex::new(0.0, 0.0);
 /// Sine below which a direction counts as square to a face: nothing of it is left on it.
 const SQUARE: f64 = 0.02;
 
-/// Where the search for the smoothest field starts: downwards, and a little aside. Straight down, a symmetric skin would
-/// keep a parting along its ridge.
+/// Where the search for the smoothest field starts: downwards, and a little aside. Straight down, a
+/// symmetric skin would keep a parting along its ridge.
 const DOWN: DVec3 = DVec3::new(0.1, -1.0, 0.3);
 
-/// Over how much of a patch's radius projected directions are evened out. A direction that stands almost square to the skin
-/// would follow every dent else, and no patch could follow it.
+/// Over how much of a patch's radius projected directions are evened out. A direction that stands
+/// almost square to the skin would follow every dent else, and no patch could follow it.
 const EVENED: f64 = 0.5;
 
 /// The directions for `spec`; `comb` is the groom's, world space, `radius` that of the patches, cm.
@@ -50,8 +51,8 @@ pub(super) fn directions(
     }
 }
 
-/// `direction` projected on each face and diffused over part of the radius: what is left of it on a face says how much it
-/// counts. Where nothing is left, the surroundings decide.
+/// `direction` projected on each face and diffused over part of the radius: what is left of it on a
+/// face says how much it counts. Where nothing is left, the surroundings decide.
 fn projected(surface: &Surface, direction: DVec3, radius: f64) -> Result<Vec<Complex>> {
     let z: Vec<Complex> = surface.frames.iter().map(|frame| frame.tangential(direction)).collect();
     let mut most = vec![0.0_f64; surface.parts.len()];
@@ -66,8 +67,8 @@ fn projected(surface: &Surface, direction: DVec3, radius: f64) -> Result<Vec<Com
     filled(surface, even.iter().zip(&surface.part).map(of).collect())
 }
 
-/// Gives faces without a direction the mean of their neighbours', nearest first. A part of the skin without any gets its
-/// smoothest field.
+/// Gives faces without a direction the mean of their neighbours', nearest first. A part of the skin
+/// without any gets its smoothest field.
 fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Complex>> {
     let mut known = vec![false; surface.parts.len()];
     field.iter().zip(&surface.part).filter(|(z, _)| z.is_some()).for_each(|(_, p)| known[*p as usize] = true);
@@ -81,7 +82,8 @@ fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Comp
     }
     let mut open: Vec<u32> = (0..field.len() as u32).filter(|f| field[*f as usize].is_none()).collect();
     while !open.is_empty() {
-        // One ring at a time, from the values of the ring before, so that the order of faces does not show.
+        // One ring at a time, from the values of the ring before, so that the order of faces does
+        // not show.
         let mean = |f: u32| {
             let arriving = surface.around(f).filter_map(|(k, g)| {
                 let back = surface.side_of(g, f, k);
@@ -102,10 +104,10 @@ fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Comp
     Ok(field.into_iter().map(|z| z.unwrap_or(Complex::new(1.0, 0.0))).collect())
 }
 
-/// The smoothest field of each part of the skin: the eigenvector to the smallest eigenvalue of the Laplacian, by inverse
-/// iteration from the direction downwards, so that of all that are as smooth it is the one that falls most. Then
-/// directions, of length 1 everywhere, are diffused over about a seventh of the part's size: an eigenvector may all but
-/// vanish on a limb.
+/// The smoothest field of each part of the skin: the eigenvector to the smallest eigenvalue of the
+/// Laplacian, by inverse iteration from the direction downwards, so that of all that are as smooth
+/// it is the one that falls most. Then directions, of length 1 everywhere, are diffused over about
+/// a seventh of the part's size: an eigenvector may all but vanish on a limb.
 fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
     let mut z = vec![ZERO; surface.frames.len()];
     for direction in [DOWN, DVec3::X] {
@@ -209,7 +211,8 @@ struct Laplacian {
 }
 
 impl Laplacian {
-    /// The diagonal is `shift` times the face's share in the area of its part, plus `more` of the face and that share.
+    /// The diagonal is `shift` times the face's share in the area of its part, plus `more` of the
+    /// face and that share.
     fn new(surface: &Surface, shift: f64, more: impl Fn(usize, f64) -> f64) -> Result<Self> {
         let faces = surface.frames.len();
         let share = |f: usize| {

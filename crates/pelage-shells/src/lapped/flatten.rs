@@ -61,14 +61,16 @@ impl Map {
     }
 }
 
-/// Flattens a region so that on each face u grows along its direction and v across, both by 1 cm a cm, as far as this can
-/// be; then the seed's centre goes to the origin. `None` where the system cannot be solved.
+/// Flattens a region so that on each face u grows along its direction and v across, both by 1 cm a
+/// cm, as far as this can be; then the seed's centre goes to the origin. `None` where the system
+/// cannot be solved.
 // [Praun2000] sec. 4: min sum_f |phi(S_f) - s|² + |phi(T_f) - t|²
-// DEVIATION: faces count by their area, so that the fit does not hang on how the surface is cut into triangles. The
-// system is that of the cotangent Laplacian then.
+// DEVIATION: faces count by their area, so that the fit does not hang on how the surface is cut
+// into triangles. The system is that of the cotangent Laplacian then.
 pub(super) fn flatten(surface: &Surface, region: &Region, seed: &Seed) -> Option<Flat> {
     let vertices = region.uv.len();
-    // Corner 0 of the seed stays at the origin: without a vertex that is held, the system is singular.
+    // Corner 0 of the seed stays at the origin: without a vertex that is held, the system is
+    // singular.
     let held = region.corners[0][0];
     let row = |v: u32| (v as usize) - usize::from(v > held);
     let mut entries = Vec::with_capacity(12 * region.faces.len());

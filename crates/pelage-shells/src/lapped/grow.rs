@@ -14,8 +14,8 @@ pub(super) struct Seed {
     pub face: u32,
     /// The centre: barycentric coordinates of corners 1 and 2.
     pub center: DVec2,
-    /// Angle between the patch and the field at the centre, the rest laid flat around it; `None`: the patch follows the field
-    /// everywhere.
+    /// Angle between the patch and the field at the centre, the rest laid flat around it; `None`:
+    /// the patch follows the field everywhere.
     pub turn: Option<f64>,
 }
 
@@ -31,17 +31,19 @@ pub(super) struct Region {
     pub uv: Vec<DVec2>,
 }
 
-/// Cosine of the angle between the directions of two faces below which a patch does not go from one to the other.
+/// Cosine of the angle between the directions of two faces below which a patch does not go from one
+/// to the other.
 const PARTING: f64 = 0.5;
 
-/// Stretch of a face where it is expected past which it is not tried. Much more than [`flatten::LIMIT`]: flattening spreads
-/// it over the patch, and a face that is left out is a tear.
+/// Stretch of a face where it is expected past which it is not tried. Much more than
+/// [`flatten::LIMIT`]: flattening spreads it over the patch, and a face that is left out is a tear.
 const HOPELESS: f64 = 8.0;
 
 /// Faces cut off from a patch this often are the last: then it is halved instead.
 const CUTS: usize = 6;
 
-/// Grows patches. It keeps marks of the size of the skin, so that a patch takes time by its own size.
+/// Grows patches. It keeps marks of the size of the skin, so that a patch takes time by its own
+/// size.
 pub(super) struct Grower<'a> {
     pub surface: &'a Surface<'a>,
     field: &'a [Complex],
@@ -68,8 +70,9 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// The flat patch around `seed` of faces that `accept` takes by their expected uv. It holds at least the face of the
-    /// seed, and no face that is flipped or stretched past [`flatten::LIMIT`].
+    /// The flat patch around `seed` of faces that `accept` takes by their expected uv. It holds at
+    /// least the face of the seed, and no face that is flipped or stretched past
+    /// [`flatten::LIMIT`].
     pub fn patch(&mut self, seed: &Seed, accept: &dyn Fn(&[DVec2; 3]) -> bool) -> Patch {
         self.round += 1;
         let ban = self.round;
@@ -135,8 +138,8 @@ impl<'a> Grower<'a> {
         c.map(|p| p - center)
     }
 
-    /// Whether the region with `f` is a disc if it was one before: `f` touches it along one side and not with the corner
-    /// opposite, or along two sides.
+    /// Whether the region with `f` is a disc if it was one before: `f` touches it along one side
+    /// and not with the corner opposite, or along two sides.
     fn stays_a_disc(&self, f: u32) -> bool {
         let within = |g: u32| self.face_mark[g as usize] == self.round;
         let joined = self.surface.around(f).filter(|(_, g)| within(*g)).map(|(k, _)| k);
@@ -154,7 +157,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Where the corners of `f` come to lie: where they are already, or beside these by the shape of `f`.
+    /// Where the corners of `f` come to lie: where they are already, or beside these by the shape
+    /// of `f`.
     fn expected(&self, region: &Region, f: u32, direction: Complex) -> [DVec2; 3] {
         let shape = self.surface.frames[f as usize].turned(direction);
         let known = self.surface.skin.triangles[f as usize].map(|v| self.place(region, v));

@@ -25,8 +25,8 @@ pub(super) enum Relation {
 }
 
 impl Outline {
-    /// An outline whose distance from the origin varies between `radius (1 - irregularity)` and `radius (1 + irregularity)` in
-    /// two to six waves of random height and place.
+    /// An outline whose distance from the origin varies between `radius (1 - irregularity)` and
+    /// `radius (1 + irregularity)` in two to six waves of random height and place.
     pub fn new(radius: f64, irregularity: f64, seed: u32) -> Self {
         let wave = |i: usize| {
             let angle = i as f64 / CORNERS as f64 * TAU;

@@ -1,4 +1,5 @@
-//! Pictures of patches and of the field, from in front, to the right and above, drawn without a GPU.
+//! Pictures of patches and of the field, from in front, to the right and above, drawn without a
+//! GPU.
 
 use super::{Lapped, contains};
 use glam::{Mat3, Vec2, Vec3};
@@ -17,8 +18,8 @@ const EYE: Vec3 = Vec3::new(0.55, 0.35, 0.85);
 /// Nothing is seen in this sample.
 const NONE: u32 = u32::MAX;
 
-/// `skin` in the colours of its patches, seams dark, on white; `side` pixels along the longer side. Linear colours; a PNG
-/// wants no tone mapping.
+/// `skin` in the colours of its patches, seams dark, on white; `side` pixels along the longer side.
+/// Linear colours; a PNG wants no tone mapping.
 pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     let view = View::new(skin, side);
     let colors = colors(lapped, skin);
@@ -45,7 +46,8 @@ pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     view.film(&(0..view.face.len()).into_par_iter().map(color).collect::<Vec<_>>())
 }
 
-/// `skin` in grey with strokes along the direction of the hair, thick at the root; as [`patch_picture`] else.
+/// `skin` in grey with strokes along the direction of the hair, thick at the root; as
+/// [`patch_picture`] else.
 pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     const SPACING: usize = 12 * SAMPLES;
     const LENGTH: f32 = (20 * SAMPLES) as f32;
@@ -164,7 +166,8 @@ impl View {
         Vec3::splat(dim * (0.28 + 0.72 * (0.5 + 0.5 * light).powi(2)))
     }
 
-    /// Whether two samples next to each other show a connected surface: no more apart in depth than the slope explains.
+    /// Whether two samples next to each other show a connected surface: no more apart in depth than
+    /// the slope explains.
     fn touches(&self, skin: &Skin, i: usize, j: usize) -> bool {
         let slope = |i: usize| {
             let [a, b, c] = skin.triangles[self.face[i] as usize].map(|v| self.points[v as usize]);
@@ -227,7 +230,8 @@ fn weights(corners: &[Vec3; 3], p: Vec2) -> Option<Vec3> {
     (area != 0.0).then(|| Vec3::new(s as f32, t as f32, (1.0 - s - t) as f32))
 }
 
-/// The patches of each face, from the first pasted, with the uv of its corners; where patches do not overlap, the topmost.
+/// The patches of each face, from the first pasted, with the uv of its corners; where patches do
+/// not overlap, the topmost.
 fn layers<'a>(lapped: &'a Lapped, skin: &Skin) -> Vec<Vec<(u32, &'a [Vec2; 3])>> {
     let mut layers = vec![Vec::new(); skin.triangles.len()];
     for (p, patch) in (0_u32..).zip(&lapped.patches) {

@@ -4,8 +4,9 @@ use super::{Lapped, flatten::Map, surface::Surface};
 use pelage_core::{Result, Skin};
 use serde::Serialize;
 
-/// How well patches lie. Means are weighted by area, over the faces that are shown: those of the topmost patches, and all of
-/// all patches where they overlap. Needles, faces too thin for their shape to be told in single precision, are left out.
+/// How well patches lie. Means are weighted by area, over the faces that are shown: those of the
+/// topmost patches, and all of all patches where they overlap. Needles, faces too thin for their
+/// shape to be told in single precision, are left out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Statistics {
     /// Faces of the skin.
@@ -22,8 +23,8 @@ pub struct Statistics {
     pub coverage: f64,
     /// Area of all patches over the area of the skin: how many patches lie on a place.
     pub layers: f64,
-    /// Mean of the stretch of a face: its largest singular value or the inverse of its smallest, whichever is larger. 1 is
-    /// an isometry.
+    /// Mean of the stretch of a face: its largest singular value or the inverse of its smallest,
+    /// whichever is larger. 1 is an isometry.
     pub mean_stretch: f64,
     /// The worst stretch.
     pub worst_stretch: f64,
@@ -33,7 +34,8 @@ pub struct Statistics {
     pub worst_angle_error: Option<f64>,
     /// Length of the edges between faces that show different patches, cm.
     pub seam_length: f64,
-    /// Faces of all patches, needles included, whose uv have no positive area though the face has sides.
+    /// Faces of all patches, needles included, whose uv have no positive area though the face has
+    /// sides.
     pub flipped: u64,
     /// Time that the making took, ms.
     pub time_ms: f64,

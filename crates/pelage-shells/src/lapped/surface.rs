@@ -1,4 +1,5 @@
-//! The skin as patches and fields see it: a frame of its own on each face, and how directions go from face to face.
+//! The skin as patches and fields see it: a frame of its own on each face, and how directions go
+//! from face to face.
 
 use super::solve::Complex;
 use glam::{DVec2, DVec3, Vec3};
@@ -7,7 +8,8 @@ use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin};
 use pelage_fur::random::{hash2, unit_float};
 
-/// Height over longest side below which a face is a needle: too thin for single precision to tell its shape.
+/// Height over longest side below which a face is a needle: too thin for single precision to tell
+/// its shape.
 pub(super) const NEEDLE: f64 = 1e-5;
 
 /// A face's own coordinates.
@@ -16,7 +18,8 @@ pub(super) struct Frame {
     pub x: DVec3,
     /// normal × x.
     pub y: DVec3,
-    /// Corners in the plane of the face, corner 0 at the origin, cm. A needle is widened to [`NEEDLE`].
+    /// Corners in the plane of the face, corner 0 at the origin, cm. A needle is widened to
+    /// [`NEEDLE`].
     pub corners: [DVec2; 3],
     /// True area, cm².
     pub area: f64,
@@ -124,7 +127,8 @@ impl<'a> Surface<'a> {
         c[(k + 2) % 3] - c[(k + 1) % 3]
     }
 
-    /// What a direction of `f` is multiplied by to go over the side `k` into the frame of `g`, the two laid flat.
+    /// What a direction of `f` is multiplied by to go over the side `k` into the frame of `g`, the
+    /// two laid flat.
     pub fn transport(&self, f: u32, k: usize, g: u32) -> Complex {
         let here = self.side(f, k);
         let there = -self.side(g, self.side_of(g, f, k));
@@ -132,8 +136,8 @@ impl<'a> Surface<'a> {
         unit(r).unwrap_or(Complex::new(1.0, 0.0))
     }
 
-    /// The faces in a random order in which large ones tend to stand first: the next face that is uncovered is about that
-    /// of a random uncovered point.
+    /// The faces in a random order in which large ones tend to stand first: the next face that is
+    /// uncovered is about that of a random uncovered point.
     pub fn random_order(&self, seed: u32) -> Vec<u32> {
         let key = |f: u32| {
             let u = (f64::from(unit_float(hash2(seed, f))) + 1e-9).min(1.0);

@@ -9,9 +9,9 @@ use std::{
     path::Path,
 };
 
-/// Writes `skin` with the uv of its patches as OBJ, a group a patch; positions and uv in cm. A face stands in the group of the
-/// patch that it shows; where patches overlap, in each group that holds it, in the order of pasting. The file appears
-/// whole or not at all.
+/// Writes `skin` with the uv of its patches as OBJ, a group a patch; positions and uv in cm. A face
+/// stands in the group of the patch that it shows; where patches overlap, in each group that holds
+/// it, in the order of pasting. The file appears whole or not at all.
 ///
 /// # Errors
 /// [`pelage_core::Error::Io`].

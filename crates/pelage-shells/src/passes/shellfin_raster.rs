@@ -1,4 +1,5 @@
-//! Draws shells and fins: the skin, fins at the silhouette, then textured shells from the skin outwards.
+//! Draws shells and fins: the skin, fins at the silhouette, then textured shells from the skin
+//! outwards.
 
 use pelage_core::Result;
 use pelage_gpu::kernel::Target;

@@ -1,4 +1,5 @@
-//! The skin, as shells and fins read it: corners with texture coordinates, and edges with both adjacent faces.
+//! The skin, as shells and fins read it: corners with texture coordinates, and edges with both
+//! adjacent faces.
 
 use crate::lapped::Lapped;
 use glam::Vec2;
@@ -7,7 +8,8 @@ use pelage_core::skin::NONE;
 use pelage_fur::layout::{FinEdge, FurCorner};
 use std::collections::BTreeMap;
 
-/// The three corners of each triangle: vertex, place on the patch (`corner_uv`, cm) and the skin's own uv.
+/// The three corners of each triangle: vertex, place on the patch (`corner_uv`, cm) and the skin's
+/// own uv.
 pub fn corners(skin: &Skin, corner_uv: &[[Vec2; 3]]) -> Vec<FurCorner> {
     corner_uv.iter().enumerate().flat_map(|(t, uv)| corners_of(skin, t, uv, NONE)).collect()
 }
@@ -17,7 +19,8 @@ pub fn corners(skin: &Skin, corner_uv: &[[Vec2; 3]]) -> Vec<FurCorner> {
 pub struct Overlapping {
     /// Corners in the order of pasting: those of a triangle once for each patch that touches it.
     pub corners: Vec<FurCorner>,
-    /// The outlines of all patches, one after the other, cm, relative to the origin of the patch's uv.
+    /// The outlines of all patches, one after the other, cm, relative to the origin of the patch's
+    /// uv.
     pub outlines: Vec<Vec2>,
     /// Points of each outline.
     pub points: u32,
@@ -47,7 +50,9 @@ fn corners_of(skin: &Skin, t: usize, uv: &[Vec2; 3], patch: u32) -> [FurCorner; 
     })
 }
 
-/// Each edge once, with the third vertices of its two faces: first of the face in which it runs from a to b, then of the other face, or [`NONE`] at a border. Of more than two faces on an edge, the first two are used.
+/// Each edge once, with the third vertices of its two faces: first of the face in which it runs
+/// from a to b, then of the other face, or [`NONE`] at a border. Of more than two faces on an edge,
+/// the first two are used.
 // [Tariq2007]: four vertices per edge, as a line with adjacency
 pub fn edges(skin: &Skin) -> Vec<FinEdge> {
     let mut found: BTreeMap<(u32, u32), FinEdge> = BTreeMap::new();
@@ -67,7 +72,8 @@ pub fn edges(skin: &Skin) -> Vec<FinEdge> {
     found.into_values().collect()
 }
 
-/// The skin's own uv, scaled so that one unit is one centimetre on average over the area; `None` without uv.
+/// The skin's own uv, scaled so that one unit is one centimetre on average over the area; `None`
+/// without uv.
 pub fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
     let uv = skin.corner_uv.as_ref()?;
     let flat: f64 = uv.iter().map(|[a, b, c]| f64::from((*b - *a).perp_dot(*c - *a).abs()) * 0.5).sum();

@@ -77,7 +77,8 @@ pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &Render
     Ok(complete)
 }
 
-/// Renders the remaining tiles of a film, starting with `*done`, which it increments. Returns false if cancelled.
+/// Renders the remaining tiles of a film, starting with `*done`, which it increments. Returns false
+/// if cancelled.
 fn render_tiles(
     gpu: &Gpu,
     world: &World,

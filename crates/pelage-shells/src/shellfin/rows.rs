@@ -5,10 +5,12 @@ use pelage_core::scene::Shells;
 use pelage_core::skin::NONE;
 use pelage_fur::layout::ShellRow;
 
-/// Rows of a fin, skin and tip included. Light, which falls off fast into the fur, is interpolated between them.
+/// Rows of a fin, skin and tip included. Light, which falls off fast into the fur, is interpolated
+/// between them.
 pub const FIN_ROWS: u32 = 9;
 
-/// Number of layers at each level of detail, finest first: each level has half as many as the one before, rounded up, down to one.
+/// Number of layers at each level of detail, finest first: each level has half as many as the one
+/// before, rounded up, down to one.
 pub fn levels(layers: u32) -> Vec<u32> {
     let mut all = vec![layers.max(1)];
     while let Some(last) = all.last().copied().filter(|n| *n > 1) {
@@ -17,10 +19,15 @@ pub fn levels(layers: u32) -> Vec<u32> {
     all
 }
 
-/// The rows for a camera at `distance` diameters of the skin: the innermost `drawn` of `layers` layers at their level of detail, then the rows of the fins. `means` holds the means of the layers of all levels, one level after the other; `jitter` gives the variance per axis of the hairs' direction at a row's height (0..1).
+/// The rows for a camera at `distance` diameters of the skin: the innermost `drawn` of `layers`
+/// layers at their level of detail, then the rows of the fins. `means` holds the means of the
+/// layers of all levels, one level after the other; `jitter` gives the variance per axis of the
+/// hairs' direction at a row's height (0..1).
 ///
-/// Between two levels each shell moves and changes from its fine layer to the coarse layer that contains it; shells without a coarse counterpart fade out. So nothing pops at any distance.
-// [Lengyel2001] sec. 4.5; DEVIATION: the coarse shell lies in the middle of its slab instead of at the lower of the two, so that the fur keeps its height.
+/// Between two levels each shell moves and changes from its fine layer to the coarse layer that
+/// contains it; shells without a coarse counterpart fade out. So nothing pops at any distance.
+// [Lengyel2001] sec. 4.5; DEVIATION: the coarse shell lies in the middle of its slab instead of at
+// the lower of the two, so that the fur keeps its height.
 pub fn rows(
     shells: &Shells,
     layers: u32,

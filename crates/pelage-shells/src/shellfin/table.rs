@@ -13,7 +13,8 @@ pub fn hair_lighting(t: &LightingTable, u: f32, v: f32) -> f32 {
     t.ambient + t.diffuse * lobe(u, t.diffuse_exponent) + t.specular * lobe(v, t.specular_exponent)
 }
 
-/// The table of 32 x 32 entries, packed four to a vector as the shader reads it; u varies along rows from −1 to 1, v from row to row.
+/// The table of 32 x 32 entries, packed four to a vector as the shader reads it; u varies along
+/// rows from −1 to 1, v from row to row.
 pub fn lighting_table(t: &LightingTable) -> layout::LightingTable {
     let at = |i: usize| 2.0 * i as f32 / (EDGE - 1) as f32 - 1.0;
     let mut values = [[0.0; 4]; EDGE * EDGE / 4];

@@ -32,10 +32,13 @@ pub struct Means {
     pub share: f32,
 }
 
-/// Rows of texels in the coarsest mip of a fin. Light on a fin varies strongly from skin to tip, so that different heights must not be mixed.
+/// Rows of texels in the coarsest mip of a fin. Light on a fin varies strongly from skin to tip, so
+/// that different heights must not be mixed.
 pub(crate) const FIN_TEXELS: u32 = 8;
 
-/// The fin and the guard hairs' contribution to it, for a slab of fur `times` as deep: transmittances are raised to that power. This must be done before mips are made, because the power of a mean is not the mean of the powers.
+/// The fin and the guard hairs' contribution to it, for a slab of fur `times` as deep:
+/// transmittances are raised to that power. This must be done before mips are made, because the
+/// power of a mean is not the mean of the powers.
 pub fn deepened(textures: &FurTextures, times: f32) -> [Texture; 2] {
     let factor = |coverage: f32| (1.0 - (1.0 - coverage).max(0.0).powf(times)) / coverage.max(1e-6);
     let scaled = |part: &Texture| {
@@ -45,7 +48,8 @@ pub fn deepened(textures: &FurTextures, times: f32) -> [Texture; 2] {
     [scaled(&textures.fin), scaled(&textures.fin_guard)]
 }
 
-/// Uploads all levels of detail with their mips, and the fin textures (whole, guard hairs' contribution). Returns the means of all layers too.
+/// Uploads all levels of detail with their mips, and the fin textures (whole, guard hairs'
+/// contribution). Returns the means of all layers too.
 pub(super) fn upload(
     gpu: &Gpu,
     textures: &FurTextures,
@@ -73,7 +77,8 @@ pub(super) fn upload(
             min_filter: wgpu::FilterMode::Linear,
             mipmap_filter: wgpu::MipmapFilterMode::Linear,
             lod_max_clamp: coarsest,
-            // On software adapters anisotropic filtering costs more than ten times everything else; images rendered there have more samples instead.
+            // On software adapters anisotropic filtering costs more than ten times everything else;
+            // images rendered there have more samples instead.
             anisotropy_clamp: if gpu.software { 1 } else { 8 },
             ..Default::default()
         })

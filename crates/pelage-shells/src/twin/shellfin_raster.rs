@@ -1,4 +1,6 @@
-//! Twin of `shaders/shellfin_raster.wgsl`: the image of skin, fins and shells, sample by sample and triangle by triangle in drawing order. Textures are read at their finest level only, so comparisons need magnified or uniform textures.
+//! Twin of `shaders/shellfin_raster.wgsl`: the image of skin, fins and shells, sample by sample and
+//! triangle by triangle in drawing order. Textures are read at their finest level only, so
+//! comparisons need magnified or uniform textures.
 
 use crate::bake::Texture;
 use crate::lapped::contains;
@@ -105,7 +107,8 @@ pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, e
     }
 }
 
-/// Root mean square sine of the angle between the view direction and hairs whose directions vary around `tangent` with `variance` per axis.
+/// Root mean square sine of the angle between the view direction and hairs whose directions vary
+/// around `tangent` with `variance` per axis.
 fn spread_sine(tangent: Vec3, view: Vec3, variance: f32) -> f32 {
     let c = tangent.normalize().dot(view);
     (1.0 - (c * c + variance * (1.0 - c * c)) / (1.0 + 2.0 * variance)).max(0.0).sqrt()
@@ -117,7 +120,8 @@ fn lit(whole: Vec4, guard: Vec4, at: &Varying) -> Vec4 {
     (fine * at.undercoat + guard.truncate() * at.guard).extend(whole.w)
 }
 
-/// `color` for a path `slant` times as long through the layer, whose mean transmittance is raised to that power.
+/// `color` for a path `slant` times as long through the layer, whose mean transmittance is raised
+/// to that power.
 fn slanted(row: &ShellRow, color: Vec4, slant: f32, at: &Varying) -> Vec4 {
     let mean_through = 1.0 - row.coverage.min(0.9999);
     if slant <= 1.0 {
@@ -297,7 +301,8 @@ impl Picture<'_> {
         (p - Vec3::from(self.frame.eye)).dot(self.frame.forward.into())
     }
 
-    /// Interpolated attributes of a triangle at a sample, and whether its front is visible; `None` if the sample is not covered or fails the depth test.
+    /// Interpolated attributes of a triangle at a sample, and whether its front is visible; `None`
+    /// if the sample is not covered or fails the depth test.
     fn hit(&self, triangle: &Ready, xy: [u32; 2], pixel: &mut Pixel) -> Option<(Varying, bool)> {
         let cover = triangle.on_film.cover(self.frame, xy);
         pixel.margin = pixel.margin.min(cover.margin.abs());

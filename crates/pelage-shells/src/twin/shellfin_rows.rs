@@ -1,4 +1,5 @@
-//! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the skin, and its light there.
+//! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the
+//! skin, and its light there.
 
 use crate::shellfin::hair_lighting;
 use glam::{Vec2, Vec3};
@@ -76,7 +77,8 @@ impl Hair<'_> {
         })
     }
 
-    /// Tangential lean of the hair of vertex `v`; its length is the tangent of the angle from the normal.
+    /// Tangential lean of the hair of vertex `v`; its length is the tangent of the angle from the
+    /// normal.
     pub fn lean(&self, v: usize) -> Vec3 {
         let at = self.point(v);
         let mut lean = Vec3::from(self.shellfin.comb);

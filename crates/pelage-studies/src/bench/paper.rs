@@ -1,4 +1,5 @@
-//! Measurements from papers: Table 1 of Andersen et al. 2016 (Quadro K6000, 3840 x 2274, one frame), and the bunny of Lengyel et al. 2001.
+//! Measurements from papers: Table 1 of Andersen et al. 2016 (Quadro K6000, 3840 x 2274, one
+//! frame), and the bunny of Lengyel et al. 2001.
 
 use serde::Serialize;
 
@@ -21,7 +22,8 @@ pub struct Column {
     pub total_gigabytes: f64,
 }
 
-/// Table 1 of the paper. As here, the shell is step 4 and the base mesh step 5; the paper's text numbers them the other way round.
+/// Table 1 of the paper. As here, the shell is step 4 and the base mesh step 5; the paper's text
+/// numbers them the other way round.
 // [Andersen2016] table 1
 pub const TABLE_1: [Column; 3] = [
     Column {
@@ -68,7 +70,8 @@ pub struct Rates {
     pub fps_half: f64,
 }
 
-/// The bunny on a GeForce DDR and an AMD K7 of 700 MHz; the paper does not give the size of the picture.
+/// The bunny on a GeForce DDR and an AMD K7 of 700 MHz; the paper does not give the size of the
+/// picture.
 // [Lengyel2001] table 1
 pub const LENGYEL_BUNNY: Rates =
     Rates { model: "bunny", triangles: 5000, layers: 16, fps_all: 12.0, fps_half: 23.0 };

@@ -1,9 +1,10 @@
-//! `pelage bench --shells`: frames per second of shells and fins, beside those of Lengyel et al. 2001, and the growth of the cost with
-//! layers and triangles.
+//! `pelage bench --shells`: frames per second of shells and fins, beside those of Lengyel et al.
+//! 2001, and the growth of the cost with layers and triangles.
 //!
-//! A frame is all that is computed for a new view: placing and lighting the rows of vertices, and drawing skin, fins and shells. Nothing is
-//! read back, and no film is filtered. The program waits for the device after the rows and after the picture, so that short frames
-//! measure latency; the time of a frame without its passes is in the column "rest".
+//! A frame is all that is computed for a new view: placing and lighting the rows of vertices, and
+//! drawing skin, fins and shells. Nothing is read back, and no film is filtered. The program waits
+//! for the device after the rows and after the picture, so that short frames measure latency; the
+//! time of a frame without its passes is in the column "rest".
 
 use super::{Skipped, Times, cell, load_world, name_of, overrides, paper};
 use crate::provenance::{Provenance, only_files_missing, say, write_json};
@@ -28,7 +29,8 @@ const MESHES: [&str; 4] =
 /// Frames before the measurement.
 const WARM_UP: u32 = 2;
 
-/// The scene of a mesh, with the layers, textures and lighting of Lengyel et al. 2001. The fur's height is a fiftieth of the body.
+/// The scene of a mesh, with the layers, textures and lighting of Lengyel et al. 2001. The fur's
+/// height is a fiftieth of the body.
 const SCENE: &str = r#"
 [mesh]
 size = 10
@@ -94,7 +96,8 @@ pub struct Row {
     pub fps: Rate,
     /// Wall-clock time of a frame.
     pub frame_ms: Times,
-    /// GPU time to place and light the rows of vertices; `None`, as for the next three, if the adapter has no timestamps.
+    /// GPU time to place and light the rows of vertices; `None`, as for the next three, if the
+    /// adapter has no timestamps.
     pub rows_ms: Option<Times>,
     /// GPU time of the skin.
     pub skin_ms: Option<Times>,
@@ -142,12 +145,13 @@ pub fn run(options: &Options) -> Result<()> {
     options.json.as_ref().map_or(Ok(()), |path| write_json(path, &report))
 }
 
-/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh or map is missing, and a fur that does not
-/// fit the device, are reported and skipped.
+/// Measures; `print` receives each part as Markdown as soon as it is complete. A scene whose mesh
+/// or map is missing, and a fur that does not fit the device, are reported and skipped.
 ///
 /// # Errors
-/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid; those of [`shellfin::textures`],
-/// [`Shellfins::new`] and [`Shellfins::draw`], except [`Error::OutOfMemory`].
+/// [`Error::Usage`] if a scene file does not exist, [`Error::Scene`] if it is not valid; those of
+/// [`shellfin::textures`], [`Shellfins::new`] and [`Shellfins::draw`], except
+/// [`Error::OutOfMemory`].
 pub fn measure(options: &Options, print: &mut dyn FnMut(&str) -> Result<()>) -> Result<Report> {
     let gpu = pelage_render::open()?;
     let size = options.size.unwrap_or(SIZE);
@@ -269,7 +273,8 @@ impl Row {
     /// Draws `runs` frames of `world`, called `name`.
     ///
     /// # Errors
-    /// Those of [`shellfin::textures`], [`Shellfins::new`], [`Shellfins::rows`] and [`Shellfins::draw`].
+    /// Those of [`shellfin::textures`], [`Shellfins::new`], [`Shellfins::rows`] and
+    /// [`Shellfins::draw`].
     pub fn measure(gpu: &Gpu, world: &World, name: &str, runs: u32) -> Result<Self> {
         let scene = &world.scene;
         let size = [scene.film.width, scene.film.height];
@@ -323,7 +328,8 @@ impl Row {
         })
     }
 
-    /// The world of this row with `layers` layers over the same height; of textures read from files, the innermost layers are drawn.
+    /// The world of this row with `layers` layers over the same height; of textures read from
+    /// files, the innermost layers are drawn.
     pub(crate) fn with_layers(&self, world: &World, layers: u32) -> World {
         let mut world = world.clone();
         let scene = &mut world.scene;

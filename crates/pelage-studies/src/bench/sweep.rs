@@ -68,7 +68,8 @@ struct Variant {
 }
 
 impl Sweep {
-    /// Renders all variants of `world`, called `name`, `runs` times each. A variant that does not fit the memory has a row with the reason.
+    /// Renders all variants of `world`, called `name`, `runs` times each. A variant that does not
+    /// fit the memory has a row with the reason.
     ///
     /// # Errors
     /// Those of [`pelage_shells::render_on`], except [`Error::OutOfMemory`].

@@ -14,10 +14,11 @@ pub struct Metrics {
     /// Mean of `(I - R)² / (R² + 0.01)` over pixels and channels.
     // [Rousselle2011]
     pub relative_mse: f64,
-    /// Peak signal-to-noise ratio of the sRGB-encoded luminance for a peak of 1, dB; infinite for equal images.
+    /// Peak signal-to-noise ratio of the sRGB-encoded luminance for a peak of 1, dB; infinite for
+    /// equal images.
     pub psnr: f64,
-    /// Mean structural similarity of the sRGB-encoded luminance: window 11 x 11, Gaussian of σ 1.5, K1 = 0.01,
-    /// K2 = 0.03; 1 for equal images.
+    /// Mean structural similarity of the sRGB-encoded luminance: window 11 x 11, Gaussian of σ 1.5,
+    /// K1 = 0.01, K2 = 0.03; 1 for equal images.
     // [Wang2004] eq. 13
     pub ssim: f64,
     /// Mean FLIP error of the sRGB-encoded colours at 67 pixels per degree, 0..1.
@@ -30,9 +31,11 @@ pub struct Metrics {
     pub luminance_ratio: f64,
     /// Mean of the image divided by that of the reference, for each of R, G and B.
     pub color_ratio: [f64; 3],
-    /// Power of the luminance's detail in the image divided by that in the reference, each relative to the square of its own mean
-    /// luminance, in octaves: periods of about 3, 6, 13 and 26 pixels. Below 1 the image is too soft, above it too crisp or noisy. Noise
-    /// is subtracted if a film holds the means of two halves of its samples, like a path traced reference; otherwise it counts as detail.
+    /// Power of the luminance's detail in the image divided by that in the reference, each relative
+    /// to the square of its own mean luminance, in octaves: periods of about 3, 6, 13 and 26
+    /// pixels. Below 1 the image is too soft, above it too crisp or noisy. Noise is subtracted if a
+    /// film holds the means of two halves of its samples, like a path traced reference; otherwise
+    /// it counts as detail.
     pub detail_ratio: [f64; OCTAVES],
     /// Mean absolute difference of alpha.
     pub alpha_difference: f64,

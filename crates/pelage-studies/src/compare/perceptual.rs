@@ -42,11 +42,12 @@ pub(super) struct HdrFlip {
     pub exposures: [f64; 2],
 }
 
-/// FLIP over a range of exposures about a stop apart: from the exposure that maps the reference's brightest pixel to just below white, with
-/// the ACES tone mapper, to the one that does so for its median.
+/// FLIP over a range of exposures about a stop apart: from the exposure that maps the reference's
+/// brightest pixel to just below white, with the ACES tone mapper, to the one that does so for its
+/// median.
 ///
-/// DEVIATION: the median is that of the pixels that are not black. Fur without a background is mostly black, and the median of all pixels
-/// would need infinite exposure.
+/// DEVIATION: the median is that of the pixels that are not black. Fur without a background is
+/// mostly black, and the median of all pixels would need infinite exposure.
 ///
 /// DEVIATION: colours have 8 bits after tone mapping, as nv_flip expects.
 // [Andersson2021] sec. 3

@@ -28,8 +28,8 @@ pub(super) struct Masks {
     pub inside: Option<Vec<bool>>,
 }
 
-/// Outline points lie halfway between neighbouring pixels whose alphas are on different sides of one half. The silhouette is all pixels
-/// within `band` pixels of such a point.
+/// Outline points lie halfway between neighbouring pixels whose alphas are on different sides of
+/// one half. The silhouette is all pixels within `band` pixels of such a point.
 pub(super) fn masks(reference: &[[f32; 4]], [width, height]: [usize; 2], band: f64) -> Masks {
     let covered: Vec<bool> = reference.iter().map(|p| p[3] >= 0.5).collect();
     let mut silhouette = vec![false; covered.len()];

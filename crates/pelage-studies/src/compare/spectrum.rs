@@ -1,7 +1,8 @@
 //! Detail of the luminance by octave: how much softer or noisier one image is than another.
 //!
-//! The power in an octave of the spectrum is the mean square of the image after a band-pass filter (Parseval). Filters of small support,
-//! here differences of Gaussians an octave apart, also give it for a region.
+//! The power in an octave of the spectrum is the mean square of the image after a band-pass filter
+//! (Parseval). Filters of small support, here differences of Gaussians an octave apart, also give
+//! it for a region.
 
 use super::{finite, perceptual::gaussian, rgb};
 use pelage_core::film::Film;
@@ -15,8 +16,9 @@ pub(super) fn luminances(pixels: &[[f32; 4]]) -> Vec<f64> {
     pixels.iter().map(|p| if finite(p) { f64::from(luminance(rgb(p))) } else { 0.0 }).collect()
 }
 
-/// The noise of a film that holds the means of two halves of its samples, `half0.R` to `half1.B`: half of their difference has the same
-/// variance as the noise of their mean. `None` for other films.
+/// The noise of a film that holds the means of two halves of its samples, `half0.R` to `half1.B`:
+/// half of their difference has the same variance as the noise of their mean. `None` for other
+/// films.
 pub(super) fn noise(film: &Film, factor: f32) -> Option<Vec<f64>> {
     let half = |k: usize| -> Option<[&[f32]; 3]> {
         let plane = |c: &str| film.plane(&format!("half{k}.{c}"));
@@ -31,8 +33,9 @@ pub(super) fn noise(film: &Film, factor: f32) -> Option<Vec<f64>> {
 /// The luminance in each octave, one value per pixel, finest first.
 pub(super) struct Octaves(pub [Vec<f64>; OCTAVES]);
 
-/// Octave k > 0 is the difference of Gaussians of σ 2^(k - 1) and of twice that, whose response peaks at periods of about 6.5 of the
-/// smaller σ. The finest octave is the difference of the image and a Gaussian of σ 1.
+/// Octave k > 0 is the difference of Gaussians of σ 2^(k - 1) and of twice that, whose response
+/// peaks at periods of about 6.5 of the smaller σ. The finest octave is the difference of the image
+/// and a Gaussian of σ 1.
 pub(super) fn octaves(luminance: Vec<f64>, size: [usize; 2]) -> Octaves {
     let whole = luminance.clone();
     let mut finer = luminance;

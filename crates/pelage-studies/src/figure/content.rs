@@ -163,7 +163,8 @@ impl Record {
     /// Writes a figure's files into `out`, its record last.
     ///
     /// # Errors
-    /// [`Error::Io`]; [`Error::Unsupported`] if a film lacks planes or a wipe names an unknown picture.
+    /// [`Error::Io`]; [`Error::Unsupported`] if a film lacks planes or a wipe names an unknown
+    /// picture.
     pub(super) fn write(mut self, figure: &Figure, content: FigureContent, out: &Path) -> Result<Self> {
         let metadata = Metadata::of_program()
             .with_adapter(&self.provenance.adapter, &self.provenance.driver)

@@ -1,4 +1,5 @@
-//! What figures are produced with: the device, the figure's folder, and the size and quality of pictures.
+//! What figures are produced with: the device, the figure's folder, and the size and quality of
+//! pictures.
 
 use super::content::{FigureContent, PanelImage};
 use super::panel;
@@ -58,7 +59,8 @@ impl FigureContext<'_> {
     /// Loads a scene of the figure's folder at the size and samples of its panels, with overrides.
     ///
     /// # Errors
-    /// Those of [`Scene::load`] and [`World::load`]; for missing files with a hint where to get them.
+    /// Those of [`Scene::load`] and [`World::load`]; for missing files with a hint where to get
+    /// them.
     pub fn load(&self, scene: &str, set: &[String]) -> Result<(World, Assets)> {
         let [width, height] = self.size();
         let mut overrides = vec![
@@ -130,8 +132,8 @@ impl FigureContext<'_> {
     /// Renders the figure's panels.
     ///
     /// # Errors
-    /// As [`FigureContext::load`] and [`FigureContext::render_panel`]. Everything is loaded before the first rendering, so that a missing
-    /// file is reported at once.
+    /// As [`FigureContext::load`] and [`FigureContext::render_panel`]. Everything is loaded before
+    /// the first rendering, so that a missing file is reported at once.
     pub(super) fn panels(&self) -> Result<FigureContent> {
         enum Job {
             Scene(Box<World>, Assets),
@@ -166,7 +168,8 @@ impl FigureContext<'_> {
         Ok(content)
     }
 
-    /// A photograph, scaled and cropped to the size of a panel; a labelled placeholder if it is not found.
+    /// A photograph, scaled and cropped to the size of a panel; a labelled placeholder if it is not
+    /// found.
     fn photograph(&self, label: &str, name: &str) -> Result<PanelImage> {
         let [width, height] = self.size();
         let film = match Assets::of_folder(self.folder).find(name) {

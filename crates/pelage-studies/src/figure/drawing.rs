@@ -1,4 +1,5 @@
-//! Drawings of studies: an SVG canvas, a parallel projection, the painter's algorithm, and distinguishable colours.
+//! Drawings of studies: an SVG canvas, a parallel projection, the painter's algorithm, and
+//! distinguishable colours.
 
 use crate::report::escape;
 use glam::Vec3;
@@ -167,7 +168,8 @@ impl Painter {
     }
 }
 
-/// An sRGB-encoded colour for a number; successive numbers get very different hues. `value` is the brightest channel, 0..1.
+/// An sRGB-encoded colour for a number; successive numbers get very different hues. `value` is the
+/// brightest channel, 0..1.
 pub(super) fn number_color(number: u32, saturation: f32, value: f32) -> Vec3 {
     let hue = 6.0 * (f32::from((number.wrapping_mul(40_503) & 0xffff) as u16) / 65_536.0);
     let channel = |k: f32| {

@@ -1,4 +1,5 @@
-//! Small versions of the figures, kept in the repository so that a change which alters one is noticed.
+//! Small versions of the figures, kept in the repository so that a change which alters one is
+//! noticed.
 
 use super::content::{Drawing, Record, Value, as_shown};
 use super::result_folder;
@@ -13,8 +14,8 @@ use std::path::{Path, PathBuf};
 pub(super) const FOLDER: &str = "golden";
 /// File of the kept results other than pictures.
 const FILE: &str = "golden.json";
-/// Largest mean FLIP between the sheets. Two runs on one adapter are equal; on the small pelt of figure 1 a tenth less undercoat gives
-/// 0.006, another seed of the hairs 0.04.
+/// Largest mean FLIP between the sheets. Two runs on one adapter are equal; on the small pelt of
+/// figure 1 a tenth less undercoat gives 0.006, another seed of the hairs 0.04.
 const LARGEST_FLIP: f64 = 0.004;
 
 /// The kept part of a record.
@@ -48,7 +49,8 @@ pub(super) fn keep(record: &Record, root: &Path, folder: &Path) -> Result<()> {
     std::fs::create_dir_all(&to).map_err(|e| Error::io(&to, e))?;
     let from = result_folder(root, &record.figure);
     if let Some(sheet) = &record.sheet {
-        // Without command and machine in the metadata, so that the file changes only if the picture does.
+        // Without command and machine in the metadata, so that the file changes only if the picture
+        // does.
         io::write(&io::read(from.join(sheet))?, to.join(sheet), &Metadata::default(), &as_shown())?;
     }
     for file in record.drawings.iter().map(|d| &d.file) {

@@ -1,4 +1,5 @@
-//! The report as one HTML page. It needs no server and nothing from the network; its only script moves the sliders.
+//! The report as one HTML page. It needs no server and nothing from the network; its only script
+//! moves the sliders.
 
 use super::content::Record;
 use super::markdown::work_of;

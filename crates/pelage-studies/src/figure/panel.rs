@@ -38,7 +38,8 @@ impl Picture {
     }
 }
 
-/// The sheet, row by row with `columns` pictures each; every column is as wide as the widest picture. Its pixels are display-linear.
+/// The sheet, row by row with `columns` pictures each; every column is as wide as the widest
+/// picture. Its pixels are display-linear.
 pub(super) fn assemble(pictures: &[Picture], columns: u32) -> Film {
     let columns = (columns as usize).clamp(1, pictures.len().max(1));
     let widest = pictures.iter().map(|p| p.width).max().unwrap_or(1);

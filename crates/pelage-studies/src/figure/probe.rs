@@ -11,8 +11,8 @@ use std::sync::Arc;
 /// Fragments a sample for which there is room, if a binding holds them.
 const FRAGMENTS: u64 = 256;
 
-/// The tile of `size` pixels at `origin` of a film of `film` pixels of one sample each, after steps 1 to 4 and with the
-/// entries into the shell.
+/// The tile of `size` pixels at `origin` of a film of `film` pixels of one sample each, after steps
+/// 1 to 4 and with the entries into the shell.
 pub(super) fn probe<'g>(
     gpu: &'g Gpu,
     world: &World,

@@ -117,11 +117,12 @@ impl Figure {
         Ok(names)
     }
 
-    /// Reads the figure called `name`; returns it with its folder. A unique ending after a hyphen is enough: `fig8` for
-    /// `andersen2016-fig8`.
+    /// Reads the figure called `name`; returns it with its folder. A unique ending after a hyphen
+    /// is enough: `fig8` for `andersen2016-fig8`.
     ///
     /// # Errors
-    /// [`Error::Usage`] with the known names if the name is unknown or ambiguous, [`Error::Scene`] if the figure's file is not valid.
+    /// [`Error::Usage`] with the known names if the name is unknown or ambiguous, [`Error::Scene`]
+    /// if the figure's file is not valid.
     pub fn find(name: &str) -> Result<(Self, PathBuf)> {
         let names = Self::names()?;
         let end = format!("-{name}");

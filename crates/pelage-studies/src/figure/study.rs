@@ -1,4 +1,5 @@
-//! Figures that are more than scenes side by side. A study is a function from a [`FigureContext`] to a [`FigureContent`].
+//! Figures that are more than scenes side by side. A study is a function from a [`FigureContext`]
+//! to a [`FigureContent`].
 
 mod boxes;
 mod canvas;

@@ -196,7 +196,8 @@ impl Axis {
         self.value(self.high)
     }
 
-    /// Position along the axis, 0..1; not finite for a value that is not positive on a logarithmic axis.
+    /// Position along the axis, 0..1; not finite for a value that is not positive on a logarithmic
+    /// axis.
     fn part(&self, value: f64) -> f64 {
         let place = if self.log { value.log10() } else { value };
         (place - self.low) / (self.high - self.low)

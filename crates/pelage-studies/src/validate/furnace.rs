@@ -28,8 +28,9 @@ enum Kind {
     Free,
 }
 
-/// Radiance that a white hair scatters to a direction of inclination asin(`sin`) under uniform white light of radiance 1, with importance
-/// sampling of the model: the mean of the weights of its samples.
+/// Radiance that a white hair scatters to a direction of inclination asin(`sin`) under uniform
+/// white light of radiance 1, with importance sampling of the model: the mean of the weights of its
+/// samples.
 pub fn albedo_sampled(fibre: &Fibre, sin: f32, samples: u32) -> f64 {
     let wo = Vec3::new(sin, (1.0 - sin * sin).max(0.0).sqrt(), 0.0);
     let sum: f64 = (0..samples)
@@ -44,8 +45,8 @@ pub fn albedo_sampled(fibre: &Fibre, sin: f32, samples: u32) -> f64 {
     sum / f64::from(samples)
 }
 
-/// The same by integration over the sphere, with `steps` inclinations, twice as many azimuths and, for near-field models, half as many
-/// offsets across the hair.
+/// The same by integration over the sphere, with `steps` inclinations, twice as many azimuths and,
+/// for near-field models, half as many offsets across the hair.
 pub fn albedo_integrated(fibre: &Fibre, sin: f32, steps: u32) -> f64 {
     let wo = Vec3::new(sin, (1.0 - sin * sin).max(0.0).sqrt(), 0.0);
     let across = if fibre.is_near_field() { steps / 2 } else { 1 };

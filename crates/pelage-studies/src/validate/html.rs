@@ -1,4 +1,5 @@
-//! The report as one HTML page without scripts, which needs nothing from the network. Pictures are files beside it.
+//! The report as one HTML page without scripts, which needs nothing from the network. Pictures are
+//! files beside it.
 
 use super::{Finding, Report, Section};
 use crate::report::{Table, escape, number};

@@ -60,7 +60,8 @@ const fn variant(name: &'static str, set: fn(&mut World)) -> Variant {
 struct Subject {
     name: &'static str,
     scene: &'static str,
-    /// The reference has only hairs with roots within this distance of the camera's target, cm; `None`: all.
+    /// The reference has only hairs with roots within this distance of the camera's target, cm;
+    /// `None`: all.
     patch: Option<f32>,
     /// Whether quick runs leave it out.
     slow: bool,
@@ -88,7 +89,8 @@ const FURS: [Fur; 2] = [
 /// The experiment.
 ///
 /// # Errors
-/// Those of the scenes, of rendering and of path tracing. A scene whose assets are missing is left out.
+/// Those of the scenes, of rendering and of path tracing. A scene whose assets are missing is left
+/// out.
 pub fn run(lab: &Lab) -> Result<Section> {
     let mut section = Section { text: text(), ..Section::default() };
     let subjects: Vec<&Subject> =
@@ -217,7 +219,8 @@ fn render(
     (variant.set)(&mut world);
     let mut frame = lab.render(&world)?;
     if let (true, Some(wanted)) = (variant.equal_time, best_seconds) {
-        // Time is roughly linear in the number of hairs, plus a constant: two corrections are enough.
+        // Time is roughly linear in the number of hairs, plus a constant: two corrections are
+        // enough.
         for _ in 0..2 {
             let factor = (wanted * 1e3 / frame.stats.total_ms.max(1.0)).clamp(0.25, 8.0) as f32;
             if (factor - 1.0).abs() < 0.1 {

@@ -1,4 +1,5 @@
-//! The surroundings of an experiment: scenes, the renderer, the path tracer, and the report's folder.
+//! The surroundings of an experiment: scenes, the renderer, the path tracer, and the report's
+//! folder.
 
 use super::{Level, Options, Picture};
 use crate::compare::{self, Comparison};
@@ -29,7 +30,8 @@ pub struct Lab<'a> {
 }
 
 impl<'a> Lab<'a> {
-    /// A lab on an open device. `show` is called with the part of the experiment that is done, 0..1.
+    /// A lab on an open device. `show` is called with the part of the experiment that is done,
+    /// 0..1.
     pub fn new(
         gpu: &'a Gpu,
         options: &'a Options,
@@ -69,7 +71,8 @@ impl<'a> Lab<'a> {
     /// Loads a scene of the experiments, with overrides.
     ///
     /// # Errors
-    /// [`Error::Usage`] if the repository is not found; those of [`Scene::load`] and [`World::load`].
+    /// [`Error::Usage`] if the repository is not found; those of [`Scene::load`] and
+    /// [`World::load`].
     pub fn world(&self, name: &str, overrides: &[String]) -> Result<(World, Assets)> {
         let path = repository_path(&format!("{FOLDER}/{name}.toml"))?;
         let (scene, assets) = Scene::load(&path, overrides)?;
@@ -84,8 +87,8 @@ impl<'a> Lab<'a> {
         render_whole(self.gpu, world, 0.0, self.cancel)
     }
 
-    /// Path traces a world, with the renderer's lights unless `options` sets others. `[step, all]` is the number of this step of the
-    /// experiment, and that of all steps.
+    /// Path traces a world, with the renderer's lights unless `options` sets others. `[step, all]`
+    /// is the number of this step of the experiment, and that of all steps.
     ///
     /// # Errors
     /// Those of [`pathtrace::render`]; [`Error::Interrupted`].
@@ -106,7 +109,8 @@ impl<'a> Lab<'a> {
         if outcome.complete { Ok(outcome) } else { Err(Error::Interrupted) }
     }
 
-    /// Writes an image at `exposure` stops without a tone curve, as the metrics of displayed images compare it.
+    /// Writes an image at `exposure` stops without a tone curve, as the metrics of displayed images
+    /// compare it.
     ///
     /// # Errors
     /// [`Error::Io`].

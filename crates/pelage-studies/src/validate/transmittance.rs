@@ -72,8 +72,8 @@ impl Slab {
         })
     }
 
-    /// Transmittance at `angle` radians from the normal: exp(-n d s sin θ), with path length s = H / cos(angle) and the angle θ = `angle`
-    /// between ray and hairs.
+    /// Transmittance at `angle` radians from the normal: exp(-n d s sin θ), with path length s = H
+    /// / cos(angle) and the angle θ = `angle` between ray and hairs.
     pub fn expected(&self, angle: f64) -> f64 {
         let projected =
             f64::from(self.density) * f64::from(self.diameter) * f64::from(self.height) * self.fill;
@@ -114,7 +114,8 @@ impl Slab {
     }
 }
 
-/// Part of `rays` rays at `angle` radians from the normal that pass through hairs of `height` cm to the skin, the plane y = 0.
+/// Part of `rays` rays at `angle` radians from the normal that pass through hairs of `height` cm to
+/// the skin, the plane y = 0.
 pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
     let passed: u32 = (0..rays)
         .into_par_iter()
@@ -143,7 +144,8 @@ pub fn worst(found: &[[f64; 2]], expected: &[[f64; 2]]) -> f64 {
         .fold(0.0, |a, b| if b > a || b.is_nan() { b } else { a })
 }
 
-/// Mean transmittance to the skin by the march through the volume at `degrees` from the normal, and the expected one.
+/// Mean transmittance to the skin by the march through the volume at `degrees` from the normal, and
+/// the expected one.
 fn marched(lab: &Lab, world: &World, slab: &Slab, degrees: f32) -> Result<[f64; 2]> {
     let mut world = world.clone();
     let (sin, cos) = degrees.to_radians().sin_cos();

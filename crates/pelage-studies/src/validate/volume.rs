@@ -1,5 +1,5 @@
-//! Undercoat as a volume against the same hairs as strands. Both have the same lights, the same fibre model and single scattering, so that
-//! only the volume differs.
+//! Undercoat as a volume against the same hairs as strands. Both have the same lights, the same
+//! fibre model and single scattering, so that only the volume differs.
 
 use super::lab::Approximation;
 use super::{Exhibit, Finding, Goal, Lab, Picture, Section, Table};

@@ -16,7 +16,8 @@ pub(super) enum Cut {
     Guess,
 }
 
-/// Cuts the polygon with these corners into `corners.len() - 2` triangles of corner numbers, wound as the polygon.
+/// Cuts the polygon with these corners into `corners.len() - 2` triangles of corner numbers, wound
+/// as the polygon.
 pub(super) fn triangulate(corners: &[Vec3], out: &mut Vec<[usize; 3]>) -> Cut {
     out.clear();
     let n = corners.len();
@@ -60,7 +61,8 @@ fn clip_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) {
     while left.len() > 3 {
         let n = left.len();
         let corner = |i: usize| [left[(i + n - 1) % n], left[i % n], left[(i + 1) % n]];
-        // If no ear is left (the polygon crosses itself), the sharpest left turn is cut nevertheless.
+        // If no ear is left (the polygon crosses itself), the sharpest left turn is cut
+        // nevertheless.
         let ear = (at..at + n).find(|i| is_ear(points, &left, corner(*i))).unwrap_or_else(|| {
             let sharpness = |i: &usize| {
                 let [a, b, c] = corner(*i);
@@ -70,7 +72,8 @@ fn clip_ears(points: &[DVec2], out: &mut Vec<[usize; 3]>) {
         });
         out.push(corner(ear));
         left.remove(ear % n);
-        // Advancing by two corners spreads the cuts; always taking the next would make a fan of slivers.
+        // Advancing by two corners spreads the cuts; always taking the next would make a fan of
+        // slivers.
         at = (ear % n + 1) % (n - 1);
     }
     out.push([left[0], left[1], left[2]]);

@@ -1,6 +1,7 @@
 //! The lexical layer of OBJ: bytes to statements.
 
-/// Iterates over the statements of an OBJ file. It works on bytes, so that comments and names may have any encoding.
+/// Iterates over the statements of an OBJ file. It works on bytes, so that comments and names may
+/// have any encoding.
 pub(super) struct Statements<'a> {
     rest: &'a [u8],
     line: usize,
@@ -12,8 +13,8 @@ impl<'a> Statements<'a> {
         Self { rest: bytes.strip_prefix(b"\xEF\xBB\xBF").unwrap_or(bytes), line: 0, joined: Vec::new() }
     }
 
-    /// The next statement, without its comment, and the line (from 1) on which it begins. Lines that end in a
-    /// backslash are joined with the next one; lines end with LF, CR LF or CR.
+    /// The next statement, without its comment, and the line (from 1) on which it begins. Lines
+    /// that end in a backslash are joined with the next one; lines end with LF, CR LF or CR.
     pub(super) fn next(&mut self) -> Option<(usize, &[u8])> {
         let (line, continued) = self.physical_line()?;
         let first = self.line;
@@ -32,8 +33,8 @@ impl<'a> Statements<'a> {
         Some((first, &self.joined))
     }
 
-    /// The next line without its comment or final backslash, and whether it continues in the next line. A comment ends
-    /// with its line, so that `# C:\models\` does not swallow the next one.
+    /// The next line without its comment or final backslash, and whether it continues in the next
+    /// line. A comment ends with its line, so that `# C:\models\` does not swallow the next one.
     fn physical_line(&mut self) -> Option<(&'a [u8], bool)> {
         if self.rest.is_empty() {
             return None;

@@ -5,8 +5,9 @@ use crate::mesh::{Mesh, smoothed_normals};
 use glam::{IVec3, Vec2, Vec3};
 use std::collections::HashMap;
 
-/// A limb: the surface at the radii `from.1` to `to.1` around the segment from `from.0` to `to.0`; `blend` is the
-/// width over which it blends into the others. All cm; +x is forwards, y up from the ground. Mirrored at z = 0.
+/// A limb: the surface at the radii `from.1` to `to.1` around the segment from `from.0` to `to.0`;
+/// `blend` is the width over which it blends into the others. All cm; +x is forwards, y up from the
+/// ground. Mirrored at z = 0.
 struct Limb {
     from: ([f32; 3], f32),
     to: ([f32; 3], f32),
@@ -58,7 +59,8 @@ fn field(p: Vec3) -> f32 {
     })
 }
 
-/// Minimum of a and b, rounded where they differ by less than k (the usual quadratic blend of distance fields).
+/// Minimum of a and b, rounded where they differ by less than k (the usual quadratic blend of
+/// distance fields).
 fn smooth_min(a: f32, b: f32, k: f32) -> f32 {
     let h = (k - (a - b).abs()).max(0.0) / k;
     a.min(b) - h * h * k / 4.0
@@ -96,8 +98,8 @@ pub(super) fn critter() -> Mesh {
     scaled_with_uv(mesh)
 }
 
-/// Relaxation: moves each vertex along the surface towards the area-weighted centre of the triangles around it, so that small ones
-/// grow, then back onto the surface.
+/// Relaxation: moves each vertex along the surface towards the area-weighted centre of the
+/// triangles around it, so that small ones grow, then back onto the surface.
 fn even_out(positions: &mut [Vec3], triangles: &[[u32; 3]]) {
     let normals = smoothed_normals(positions, triangles);
     let mut sums = vec![(Vec3::ZERO, 0.0_f32); positions.len()];
@@ -119,8 +121,9 @@ fn even_out(positions: &mut [Vec3], triangles: &[[u32; 3]]) {
     }
 }
 
-/// The surface field = 0 as quads, counter-clockwise from outside: one vertex in each lattice cell that the surface
-/// passes, one quad around each lattice edge that it crosses (surface nets, Gibson 1998).
+/// The surface field = 0 as quads, counter-clockwise from outside: one vertex in each lattice cell
+/// that the surface passes, one quad around each lattice edge that it crosses (surface nets, Gibson
+/// 1998).
 // [Gibson1998]
 fn surface_net() -> (Vec<Vec3>, Vec<[u32; 4]>) {
     // The lattice is symmetric to the plane z = 0.
@@ -164,14 +167,16 @@ fn surface_net() -> (Vec<Vec3>, Vec<[u32; 4]>) {
             let (u, v) = (axes[(axis + 1) % 3], axes[(axis + 2) % 3]);
             let cells = [start, start - u, start - u - v, start - v].map(|c| vertex.get(&c).copied());
             let [Some(a), Some(b), Some(c), Some(d)] = cells else { continue };
-            // u x v is the axis: counter-clockwise seen from its end, which is outside where the start is inside.
+            // u x v is the axis: counter-clockwise seen from its end, which is outside where the
+            // start is inside.
             quads.push(if inside { [a, b, c, d] } else { [a, d, c, b] });
         }
     }
     (positions, quads)
 }
 
-/// Scales to `LENGTH` and gives each triangle the uv of a box: its position seen along the axis it faces most.
+/// Scales to `LENGTH` and gives each triangle the uv of a box: its position seen along the axis it
+/// faces most.
 fn scaled_with_uv(mut mesh: Mesh) -> Mesh {
     let half = mesh.positions.iter().map(|p| p.x).fold(f32::MIN, f32::max);
     mesh.positions.iter_mut().for_each(|p| *p *= LENGTH / (2.0 * half));

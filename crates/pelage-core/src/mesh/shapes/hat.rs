@@ -5,8 +5,8 @@ use crate::mesh::Mesh;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
 
-/// Radius (cm) and height (cm) along the profile: over the crown, down to the fold, up and over the brim, down its
-/// outside, and under.
+/// Radius (cm) and height (cm) along the profile: over the crown, down to the fold, up and over the
+/// brim, down its outside, and under.
 const PROFILE: [[f32; 2]; 15] = [
     [0.0, 13.0],
     [2.2, 12.9],
@@ -29,8 +29,9 @@ const PROFILE: [[f32; 2]; 15] = [
 const AROUND: u32 = 64;
 /// Bands of quads between the outer rings.
 const BANDS: u32 = 42;
-/// Vertices of the rings around the pole: fewer towards it, so that no triangle is pinched. The rings, the pole and the
-/// innermost ring of `AROUND` make 256 triangles, as many as two bands: together 2 x 64 x 44.
+/// Vertices of the rings around the pole: fewer towards it, so that no triangle is pinched. The
+/// rings, the pole and the innermost ring of `AROUND` make 256 triangles, as many as two bands:
+/// together 2 x 64 x 44.
 const CAP: [u32; 5] = [6, 12, 18, 24, 36];
 /// Radius of the innermost ring of `AROUND`, cm along the profile.
 const CAP_RADIUS: f32 = 6.0;
@@ -86,8 +87,9 @@ pub(super) fn hat() -> Mesh {
     centered(mesh)
 }
 
-/// Triangles between two rings, which may have different numbers of vertices: corners as (on the outer ring, index on the ring, from 0 to
-/// its count). Around the rings, the one whose next vertex is nearer takes the next step; ties alternate.
+/// Triangles between two rings, which may have different numbers of vertices: corners as (on the
+/// outer ring, index on the ring, from 0 to its count). Around the rings, the one whose next vertex
+/// is nearer takes the next step; ties alternate.
 fn band(inner: u32, outer: u32, odd: u32) -> Vec<[(bool, u32); 3]> {
     let (mut i, mut o) = (0, 0);
     let mut triangles = Vec::with_capacity((inner + outer) as usize);
@@ -113,7 +115,8 @@ fn band(inner: u32, outer: u32, odd: u32) -> Vec<[(bool, u32); 3]> {
     triangles
 }
 
-/// The profile as a fine polyline (radius, height) with the length up to each point: a Catmull-Rom spline.
+/// The profile as a fine polyline (radius, height) with the length up to each point: a Catmull-Rom
+/// spline.
 fn fine_profile() -> Vec<(Vec2, f32)> {
     const FINE: u32 = 64;
     let p = |k: isize| {

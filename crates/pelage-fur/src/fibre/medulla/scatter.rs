@@ -1,4 +1,5 @@
-//! Tables of the light scattered in the medulla, from a Monte Carlo simulation of our own, cached in the user's cache folder.
+//! Tables of the light scattered in the medulla, from a Monte Carlo simulation of our own, cached
+//! in the user's cache folder.
 
 use crate::fibre::lobes::choose;
 use rayon::prelude::*;
@@ -50,7 +51,8 @@ fn rows(x: f32, count: usize) -> (usize, f32) {
 impl ScatterTable {
     const WORDS: usize = THETAS * (OFFSETS * (AROUND + 1) + ALONG);
 
-    /// The tables of `medium`: read from the cache in `folder`, or simulated and then stored there if possible. A file that is damaged or has other parameters is replaced.
+    /// The tables of `medium`: read from the cache in `folder`, or simulated and then stored there
+    /// if possible. A file that is damaged or has other parameters is replaced.
     // [FIPS180-4] for the checksum
     pub fn cached(medium: Medium, folder: Option<&Path>) -> Self {
         let Some(folder) = folder else { return Self::simulate(medium) };
@@ -93,7 +95,8 @@ impl ScatterTable {
         Some(Self { around: around.to_vec(), along: along.to_vec(), path_length: path_length.to_vec() })
     }
 
-    /// Simulates paths that are scattered at least once. Every row has its own random numbers, so that the result is reproducible.
+    /// Simulates paths that are scattered at least once. Every row has its own random numbers, so
+    /// that the result is reproducible.
     pub fn simulate(medium: Medium) -> Self {
         let cells: Vec<Cell> = (0..THETAS * OFFSETS)
             .into_par_iter()
@@ -123,7 +126,8 @@ impl ScatterTable {
         theta * OFFSETS + offset
     }
 
-    /// Density of the azimuth `psi` relative to the direction of entry, for a sine of θ_o and an offset in −1..1.
+    /// Density of the azimuth `psi` relative to the direction of entry, for a sine of θ_o and an
+    /// offset in −1..1.
     pub fn around(&self, sin_o: f32, offset: f32, psi: f32) -> f32 {
         let psi = if offset < 0.0 { -psi } else { psi };
         let ((t, tw), (k, kw)) = (rows(sin_o.abs(), THETAS), rows(offset.abs(), OFFSETS));
@@ -265,7 +269,8 @@ fn simulate_cell(medium: Medium, theta: usize, offset: usize) -> Cell {
                 share(&mut cell.around, psi * AROUND as f32, true);
                 break;
             }
-            // DEVIATION: [Yan2017] lets light leave at any inclination; beyond the critical angle it is reflected and guided within the hair.
+            // DEVIATION: [Yan2017] lets light leave at any inclination; beyond the critical angle
+            // it is reflected and guided within the hair.
             free -= out;
             let normal = p[0] * d[1] + p[1] * d[2];
             d = [d[0], d[1] - 2.0 * normal * p[0], d[2] - 2.0 * normal * p[1]];

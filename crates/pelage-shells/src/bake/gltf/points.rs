@@ -1,4 +1,5 @@
-//! The skin's vertices as a client draws them: one for each place in the textures, with the hair that grows there.
+//! The skin's vertices as a client draws them: one for each place in the textures, with the hair
+//! that grows there.
 
 use super::Manifest;
 use crate::lapped::Lapped;
@@ -16,14 +17,16 @@ use pelage_fur::strand_curve::{control_polygon, leg_directions};
 use pelage_fur::surface;
 use std::collections::HashMap;
 
-/// A skin whose vertices are split where its textures are cut. Arrays are of one length, an element a vertex.
+/// A skin whose vertices are split where its textures are cut. Arrays are of one length, an element
+/// a vertex.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Clothed {
     /// cm, world space.
     pub positions: Vec<Vec3>,
     /// Unit.
     pub normals: Vec<Vec3>,
-    /// Directions in which upright hair stands, unit: the normals without what is finer than the fur is high.
+    /// Directions in which upright hair stands, unit: the normals without what is finer than the
+    /// fur is high.
     pub upright: Vec<Vec3>,
     /// The skin's own uv, v upwards; `None` where it has none.
     pub skin_uv: Option<Vec<Vec2>>,
@@ -33,8 +36,9 @@ pub struct Clothed {
     pub skin_colors: Vec<Vec3>,
     /// Factor on the textures' colour.
     pub fur_colors: Vec<Vec3>,
-    /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one lies) to the tip, relative to the
-    /// skin, cm. A shell at height s (0..1) passes through the curve's point at s, which is at s of the tip's height.
+    /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one
+    /// lies) to the tip, relative to the skin, cm. A shell at height s (0..1) passes through the
+    /// curve's point at s, which is at s of the tip's height.
     pub hairs: Vec<[Vec3; 3]>,
     /// The vertex of the skin that each vertex was split from.
     pub origin: Vec<u32>,
@@ -53,7 +57,8 @@ pub struct FinEdge {
     pub u: [f32; 2],
 }
 
-/// Splits the skin's vertices so that each has one place in the textures, and evaluates hair and colours there.
+/// Splits the skin's vertices so that each has one place in the textures, and evaluates hair and
+/// colours there.
 ///
 /// # Errors
 /// [`Error::Unsupported`]: see [`super::write`].
@@ -137,8 +142,9 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     Ok(clothed)
 }
 
-/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its tip moved by `bend`, that of the scene's steady forces.
-/// Where the textures are baked from the groom (`groom`), it is the groom's strand without its random parts, scaled so that its tip is as
+/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its
+/// tip moved by `bend`, that of the scene's steady forces. Where the textures are baked from the
+/// groom (`groom`), it is the groom's strand without its random parts, scaled so that its tip is as
 /// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
 // As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
 fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: Vec3) -> [Vec3; 3] {
@@ -168,8 +174,8 @@ fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: 
     [p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)]
 }
 
-/// All edges, once each (an edge of more than two faces once a face), in the order of faces. The place in the texture is random for
-/// each edge; its length there is the edge's.
+/// All edges, once each (an edge of more than two faces once a face), in the order of faces. The
+/// place in the texture is random for each edge; its length there is the edge's.
 // [Lengyel2001] sec. 4.2
 pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEdge> {
     let topology = topology::neighbours(&world.skin.triangles);
@@ -198,7 +204,8 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
     edges
 }
 
-/// Part of its height, 0..1, that the shell keeps over each vertex when it is raised along `upright`.
+/// Part of its height, 0..1, that the shell keeps over each vertex when it is raised along
+/// `upright`.
 fn kept(skin: &Skin, maps: &Maps<'_>, upright: &[Vec3]) -> Vec<f32> {
     let wanted = wanted_heights(skin, upright, maps, &surface::vertex_uv(skin));
     let heights = lowered(skin, upright, &wanted);

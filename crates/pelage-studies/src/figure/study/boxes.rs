@@ -185,7 +185,8 @@ fn interval(body: &[Vec3; 6], origin: Vec3, direction: Vec3) -> Option<(f32, f32
     for k in 0..3 {
         let next = (k + 1) % 3;
         let [a, b, c, d] = [body[k], body[next], body[next + 3], body[k + 3]];
-        // Both bodies at a wall split it along the same diagonal, from the corner that is first in lexicographic order.
+        // Both bodies at a wall split it along the same diagonal, from the corner that is first in
+        // lexicographic order.
         let first = a.to_array() < b.to_array();
         let (p, q) = if first { ([a, b, c], [a, c, d]) } else { ([a, b, d], [b, c, d]) };
         hit(p[0], p[1], p[2]);

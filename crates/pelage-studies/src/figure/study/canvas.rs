@@ -1,4 +1,5 @@
-//! Perspective drawings for figures, on the CPU: triangles, thick lines, and textured quads with a depth buffer.
+//! Perspective drawings for figures, on the CPU: triangles, thick lines, and textured quads with a
+//! depth buffer.
 
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::film::Film;
@@ -58,7 +59,8 @@ impl Canvas {
         (depth > 1e-3).then(|| (middle + seen).extend(depth))
     }
 
-    /// Calls `paint(sample, weights, depth)` for each visible sample of a triangle; `weights` are barycentric.
+    /// Calls `paint(sample, weights, depth)` for each visible sample of a triangle; `weights` are
+    /// barycentric.
     fn cover(&mut self, corners: [Vec3; 3], nearer: f32, mut paint: impl FnMut(&mut Self, usize, Vec3, f32)) {
         let [Some(a), Some(b), Some(c)] = corners.map(|p| self.place(p)) else { return };
         let [width, height] = self.size.map(|n| n * SAMPLES);
@@ -108,8 +110,8 @@ impl Canvas {
         });
     }
 
-    /// A textured quad, blended over the drawing: `corners` in order around it, each with its texture coordinates. The texture wraps along
-    /// u, and along v if `wrap_v`.
+    /// A textured quad, blended over the drawing: `corners` in order around it, each with its
+    /// texture coordinates. The texture wraps along u, and along v if `wrap_v`.
     pub fn quad(&mut self, corners: [(Vec3, Vec2); 4], texture: &Texture, wrap_v: bool) {
         let [a, b, c, d] = corners;
         for t in [[a, b, c], [a, c, d]] {
@@ -126,7 +128,8 @@ impl Canvas {
         self.strand([(a, width), (b, width)], [color; 2], nearer);
     }
 
-    /// A tapered line: its ends with widths in pixels, and their colours. It is written to the depth buffer.
+    /// A tapered line: its ends with widths in pixels, and their colours. It is written to the
+    /// depth buffer.
     pub fn strand(&mut self, [(a, wide), (b, thin)]: [(Vec3, f32); 2], color: [Vec3; 2], nearer: f32) {
         let (Some(p), Some(q)) = (self.place(a), self.place(b)) else { return };
         let [width, height] = self.size.map(|n| n * SAMPLES);

@@ -1,5 +1,5 @@
-//! Fur composited into a plate of the environment that lights it; the environment in a mirror ball; and its map with the directional
-//! lights that replace it.
+//! Fur composited into a plate of the environment that lights it; the environment in a mirror ball;
+//! and its map with the directional lights that replace it.
 
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
@@ -83,7 +83,8 @@ fn plate(context: &FigureContext, world: &World, assets: &Assets, blur: f32) -> 
     Ok(format!("film.plate={:?}", path.display().to_string()))
 }
 
-/// A Gaussian blur of standard deviation `sigma` pixels along rows, then along columns; border pixels are extended.
+/// A Gaussian blur of standard deviation `sigma` pixels along rows, then along columns; border
+/// pixels are extended.
 fn blurred(pixels: &[[f32; 4]], width: usize, sigma: f32) -> Vec<[f32; 4]> {
     let reach = (3.0 * sigma).ceil() as isize;
     let weights: Vec<f32> = (-reach..=reach).map(|k| (-0.5 * (k as f32 / sigma).powi(2)).exp()).collect();
@@ -164,7 +165,8 @@ impl Sky {
         })
     }
 
-    /// The whole map with a disc of the light's hue at each light; brighter lights have larger discs.
+    /// The whole map with a disc of the light's hue at each light; brighter lights have larger
+    /// discs.
     fn marked(&self, lights: &[Light], width: u32, height: u32) -> Film {
         let map = [self.map.width as f32, self.map.height as f32];
         let scale = (width as f32 / map[0]).min(height as f32 / map[1]);
@@ -175,7 +177,8 @@ impl Sky {
             .map(|light| {
                 let [x, y] = self.texel_of(light.direction).map(|v| v as f32);
                 let largest = light.irradiance.max_element();
-                // Lights differ by a factor of a thousand; the fourth root keeps the weakest visible.
+                // Lights differ by a factor of a thousand; the fourth root keeps the weakest
+                // visible.
                 let radius = 0.045 * height as f32 * (largest / brightest).sqrt().sqrt().max(0.5);
                 ([corner[0] + scale * x, corner[1] + scale * y], radius, light.irradiance / largest)
             })
@@ -202,7 +205,8 @@ impl Sky {
     }
 }
 
-/// A picture of the mean of several samples a pixel; `color` takes pixel coordinates from the upper left corner.
+/// A picture of the mean of several samples a pixel; `color` takes pixel coordinates from the upper
+/// left corner.
 fn picture(width: u32, height: u32, color: impl Fn(f32, f32) -> Vec3) -> Film {
     let at = |pixel: u32, k: usize| pixel as f32 + (k as f32 + 0.5) / SAMPLES as f32;
     let pixels: Vec<[f32; 4]> = (0..height)

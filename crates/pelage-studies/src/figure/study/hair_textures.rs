@@ -1,4 +1,5 @@
-//! The hairs of a particle system, the layers and the fin baked from them, and fur drawn with these.
+//! The hairs of a particle system, the layers and the fin baked from them, and fur drawn with
+//! these.
 
 use super::super::{FigureContent, FigureContext};
 use super::canvas::Canvas;

@@ -1,4 +1,5 @@
-//! From a point to the index of its subelement: Andersen et al. 2016, equations 1 to 3, with the renderer's own functions.
+//! From a point to the index of its subelement: Andersen et al. 2016, equations 1 to 3, with the
+//! renderer's own functions.
 
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe;
@@ -47,7 +48,8 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// Corners of an upright triangle with its lower left corner at `at`, in the paper's order: p0 lower left, p1 lower right, p2 top.
+/// Corners of an upright triangle with its lower left corner at `at`, in the paper's order: p0
+/// lower left, p1 lower right, p2 top.
 fn triangle(at: Point, side: f64) -> [Point; 3] {
     [at, [at[0] + side, at[1]], [at[0] + 0.5 * side, at[1] - 0.866 * side]]
 }

@@ -1,4 +1,5 @@
-//! The neighbour table: keys of directed edges, their slots in the GPU's hash table, and the neighbours found.
+//! The neighbour table: keys of directed edges, their slots in the GPU's hash table, and the
+//! neighbours found.
 
 use super::super::drawing::{Anchor, Canvas, Point, css, number_color};
 use super::super::{FigureContent, FigureContext};

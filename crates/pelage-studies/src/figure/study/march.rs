@@ -1,4 +1,5 @@
-//! The march of one ray, step by step: where it enters the shell, the subelements that its steps read, and the edges that it crosses.
+//! The march of one ray, step by step: where it enters the shell, the subelements that its steps
+//! read, and the edges that it crosses.
 
 use super::super::drawing::{Anchor, Canvas, Painter, Point, View, css, number_color};
 use super::super::probe::{self, Probe};

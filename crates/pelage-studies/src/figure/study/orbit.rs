@@ -1,4 +1,5 @@
-//! A camera that orbits the fur: an animated PNG, some of its frames, and the flicker of the picture.
+//! A camera that orbits the fur: an animated PNG, some of its frames, and the flicker of the
+//! picture.
 
 use super::super::{FigureContent, FigureContext};
 use crate::report::Table;
@@ -22,7 +23,8 @@ const CODES: f64 = 255.0;
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct Settings {
-    /// Scene file, relative to the figure's folder; its `[animation]` sets the number of frames, their rate and the angle.
+    /// Scene file, relative to the figure's folder; its `[animation]` sets the number of frames,
+    /// their rate and the angle.
     scene: String,
     /// Number of frames that are also shown as pictures.
     shown: u32,
@@ -191,8 +193,9 @@ impl Shown {
     }
 }
 
-/// Root mean square of the second difference in time, divided by the root of 6, over the pixels that fur covers in the middle frame; in
-/// code values. For noise that is independent from frame to frame it is the standard deviation; for a uniform change it is 0.
+/// Root mean square of the second difference in time, divided by the root of 6, over the pixels
+/// that fur covers in the middle frame; in code values. For noise that is independent from frame to
+/// frame it is the standard deviation; for a uniform change it is 0.
 fn second_difference([a, b, c]: [&Shown; 3]) -> f64 {
     let (mut sum, mut count) = (0.0, 0u32);
     for (i, alpha) in b.alpha.iter().enumerate() {

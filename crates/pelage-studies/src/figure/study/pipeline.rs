@@ -130,8 +130,8 @@ impl Strips<'_> {
         self.content.picture(label, Film::from_premultiplied(w, h, &pixels));
     }
 
-    /// Adds a picture of values in the magma colour map, from the smallest to the 99th percentile. The label contains the range; the colour
-    /// key covers the lowest rows.
+    /// Adds a picture of values in the magma colour map, from the smallest to the 99th percentile.
+    /// The label contains the range; the colour key covers the lowest rows.
     fn map(&mut self, label: &str, value: impl Fn(usize) -> Option<f32>) {
         let [w, h] = self.size;
         let values: Vec<Option<f32>> = (0..w as usize * h as usize).map(value).collect();

@@ -1,4 +1,5 @@
-//! Growth of the rendering time with pixels, samples, guard hairs, triangles, and subelements of the undercoat.
+//! Growth of the rendering time with pixels, samples, guard hairs, triangles, and subelements of
+//! the undercoat.
 
 use super::super::{FigureContent, FigureContext};
 use crate::bench::Column;
@@ -132,7 +133,8 @@ fn sweeps(settings: &Settings, world: &World) -> [Sweep; 5] {
             for _ in 0..*times {
                 w.skin = split_in_four(&w.skin);
             }
-            // Stored densities would grow with the number of triangles; evaluated ones treat all levels alike.
+            // Stored densities would grow with the number of triangles; evaluated ones treat all
+            // levels alike.
             w.scene.undercoat.storage = Storage::Evaluated;
         })
     };

@@ -1,4 +1,5 @@
-//! Edges at and near the silhouette, as the rasteriser finds them, and the fins extruded from them; and shells offset from a mesh.
+//! Edges at and near the silhouette, as the rasteriser finds them, and the fins extruded from them;
+//! and shells offset from a mesh.
 
 use super::super::{FigureContent, FigureContext};
 use super::canvas::{Canvas, shade};
@@ -153,7 +154,8 @@ fn strokes(canvas: &mut Canvas, world: &World, edges: &[FinEdge], color: Vec3) {
     }
 }
 
-/// A fin with the texture coordinates that the rasteriser gives it; with `outline` also the edges of its two triangles.
+/// A fin with the texture coordinates that the rasteriser gives it; with `outline` also the edges
+/// of its two triangles.
 fn fin(canvas: &mut Canvas, world: &World, textures: &FurTextures, edge: &FinEdge, outline: Option<Vec3>) {
     let skin = &world.skin;
     let height = textures.manifest.height;

@@ -1,4 +1,5 @@
-//! The subelements of a prism as bodies, for the studies that draw or intersect them. The renderer's own functions give their numbers.
+//! The subelements of a prism as bodies, for the studies that draw or intersect them. The
+//! renderer's own functions give their numbers.
 
 use glam::Vec3;
 use pelage_fur::shell::{Place, subelement};
@@ -33,8 +34,8 @@ pub(super) fn corners(place: &Place, cell: &[Vec3; 3], layer: u32, layers: u32) 
     [at(low, a), at(low, b), at(low, c), at(high, a), at(high, b), at(high, c)]
 }
 
-/// The convex polygon in which a plane through `origin` cuts a body of six corners; empty if it misses. The slightly curved walls of the
-/// body count as flat.
+/// The convex polygon in which a plane through `origin` cuts a body of six corners; empty if it
+/// misses. The slightly curved walls of the body count as flat.
 pub(super) fn cut(corners: &[Vec3; 6], origin: Vec3, normal: Vec3) -> Vec<Vec3> {
     const EDGES: [[usize; 2]; 9] = [[0, 1], [1, 2], [2, 0], [3, 4], [4, 5], [5, 3], [0, 3], [1, 4], [2, 5]];
     let side = corners.map(|p| (p - origin).dot(normal));

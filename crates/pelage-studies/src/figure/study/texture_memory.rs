@@ -77,7 +77,8 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     Ok(content)
 }
 
-/// Textures after encoding and decoding, and the peak signal-to-noise ratio of the layers against their RGBA8 values, dB.
+/// Textures after encoding and decoding, and the peak signal-to-noise ratio of the layers against
+/// their RGBA8 values, dB.
 fn coded(
     textures: &FurTextures,
     encoding: Encoding,
@@ -102,7 +103,8 @@ fn coded(
     Ok((stored, Some(compress::psnr(&before, &after))))
 }
 
-/// Textures whose layers are all the innermost one, in the mean colour of all, with an alpha that falls linearly from the skin.
+/// Textures whose layers are all the innermost one, in the mean colour of all, with an alpha that
+/// falls linearly from the skin.
 // [Lengyel2001] sec. 4: a single image with an alpha ramp
 fn one_layer(textures: &FurTextures) -> FurTextures {
     let count = textures.layers.len() as f32;

@@ -1,4 +1,5 @@
-//! Times and memory of the steps, measured like those of `pelage bench`, beside the paper's Table 1.
+//! Times and memory of the steps, measured like those of `pelage bench`, beside the paper's Table
+//! 1.
 
 use super::{FigureContent, FigureContext};
 use crate::bench;

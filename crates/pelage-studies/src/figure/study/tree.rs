@@ -1,5 +1,5 @@
-//! The march against finding subelements with a tree of bounding boxes, as Andersen et al. 2016 compare their march with a binary
-//! space partition.
+//! The march against finding subelements with a tree of bounding boxes, as Andersen et al. 2016
+//! compare their march with a binary space partition.
 
 use super::super::probe::{self, Probe};
 use super::super::{FigureContent, FigureContext};
@@ -132,7 +132,8 @@ fn mean_depth(level: &Level) -> f64 {
     level.march.depths.iter().map(|d| f64::from(*d)).sum::<f64>() / level.count as f64
 }
 
-/// Root mean squares of the relative difference of optical depths and of the difference of transmittances.
+/// Root mean squares of the relative difference of optical depths and of the difference of
+/// transmittances.
 fn rms(level: &Level, other: &Outcome) -> [f64; 2] {
     let root = |f: &dyn Fn([[f64; 2]; 2]) -> f64| {
         (pairs(level, other).map(|pair| f(pair).powi(2)).sum::<f64>() / level.count as f64).sqrt()
@@ -266,8 +267,9 @@ impl Level {
     }
 }
 
-/// Entries of evenly spaced pixels, and the number of all pixels with one. Only rays that enter once, through the top, and end on the skin
-/// are kept, so that the border of the patch does not count.
+/// Entries of evenly spaced pixels, and the number of all pixels with one. Only rays that enter
+/// once, through the top, and end on the skin are kept, so that the border of the patch does not
+/// count.
 fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
     let (lists, bases) = (probe.lists()?, probe.bases()?);
     let from_above = |i: usize, z: f32, prism: u32| {
@@ -297,7 +299,8 @@ fn starts(probe: &Probe<'_>, most: usize) -> Result<(Vec<Start>, usize)> {
     Ok((entered.iter().step_by(stride).map(start).collect(), all))
 }
 
-/// Runs a method over all rays: `find` finds the pieces, which are shaded in the same way for all methods.
+/// Runs a method over all rays: `find` finds the pieces, which are shaded in the same way for all
+/// methods.
 fn run(
     inputs: &MarchInputs<'_>,
     starts: &[Start],

@@ -28,7 +28,8 @@ struct Row {
     stats: Stats,
 }
 
-/// Step 4 at 3840 x 2274 with one shell fragment a pixel and with 30 virtual fragments: number and bytes.
+/// Step 4 at 3840 x 2274 with one shell fragment a pixel and with 30 virtual fragments: number and
+/// bytes.
 // [Andersen2016]
 const PAPER: [(f64, f64); 2] = [(1.0, 0.2e9), (30.0, 7.8e9)];
 const PAPER_PIXELS: f64 = 3840.0 * 2274.0;
