@@ -65,7 +65,7 @@ impl<'a> UndercoatFur<'a> {
             [n * stretch, n]
         };
         Self {
-            coat,
+            undercoat,
             count,
             weight,
             height,
