@@ -370,8 +370,8 @@ fn meaningless_settings_are_errors() {
     fault(&sphere, &vectors(vector([0.0, 5.0, 0.0], [0.0; 3])), &["lapped.vectors.1", "not zero"]);
     fault(&sphere, &vectors(vector([0.0, 5.0, 0.0], [f32::NAN, 0.0, 1.0])), &["lapped.vectors.1", "finite"]);
     fault(&sphere, &vectors(vector([f32::INFINITY; 3], [1.0; 3])), &["lapped.vectors.1", "at ="]);
-    let square = vectors(vector([0.0, 5.0, 0.0], [0.0, 2.0, 0.0]));
-    fault(&shape(Shape::Plane), &square, &["lapped.vectors.1", "square"]);
+    let upright = vectors(vector([0.0, 5.0, 0.0], [0.0, 2.0, 0.0]));
+    fault(&shape(Shape::Plane), &upright, &["lapped.vectors.1", "perpendicular"]);
     for radius in [0.0, -1.0, f32::NAN, f32::INFINITY] {
         fault(&sphere, &scene(|s| s.radius = Some(radius)), &["lapped.radius", "above 0"]);
     }

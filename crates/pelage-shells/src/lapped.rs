@@ -1,12 +1,11 @@
-//! Lapped textures: a skin covered with patches, each flattened, so that one small toroidal texture
-//! clothes any mesh. The method is that of Praun, Finkelstein and Hoppe 2000; the variant without
-//! overlap is that of Lengyel et al. 2001.
+//! Lapped textures: covers a skin with flattened patches, so that one small toroidal texture
+//! suffices for any mesh. The variant without overlap is that of Lengyel et al.
 //!
 //! [`lap`] first finds the direction of the hair on each face (`field`). Then, until everything is
-//! covered, it takes a random uncovered place, grows a disc of faces inside an uneven outline
+//! covered, it picks a random uncovered place, grows a disc of faces within an irregular outline
 //! around it (`outline`, `grow`) and flattens it by a least-squares fit to the field (`flatten`).
 //! Faces that would be flipped or stretched too much are cut off and left to later patches. A patch
-//! of one face is flattened exactly, so that every mesh comes to an end.
+//! of one face is flattened exactly, so the method terminates on every mesh.
 // [Praun2000], [Lengyel2001] sec. 3.2
 
 mod cells;
@@ -40,51 +39,50 @@ use surface::Surface;
 pub struct Lapped {
     /// Direction of the hair on each face: unit, tangent to the face, world space.
     pub field: Vec<Vec3>,
-    /// The patches in the order in which they are pasted: a later one lies on the earlier ones.
-    /// Those of which nothing is seen are left out where patches do not overlap.
+    /// The patches in the order of pasting: later ones lie on earlier ones. If patches do not
+    /// overlap, those that are completely hidden are left out.
     pub patches: Vec<Patch>,
-    /// The patch that each face shows: the last one pasted that covers it whole; where there is
-    /// none, which only overlapping patches leave, the last one that touches it.
+    /// The patch that each face shows: the last one pasted that covers the whole face or, if there
+    /// is none (which happens only with overlapping patches), the last one that touches it.
     pub topmost: Vec<u32>,
-    /// uv of each face's corners in its topmost patch, cm: u runs along the field, v across (normal
-    /// x field). Not wrapped: divide by the torus's edge for texture coordinates.
+    /// uv of each face's corners in its topmost patch, cm: u runs along the field, v along normal x
+    /// field. Not wrapped: divide by the torus's edge for texture coordinates.
     pub corner_uv: Vec<[Vec2; 3]>,
     /// Radius of the outlines, cm.
     pub radius: f32,
-    /// Part of the skin's area that patches cover, 0..1. [`lap`] goes on until it is 1. Within
-    /// overlapping patches, what lies in an outline counts.
+    /// Fraction of the skin's area that patches cover, 0..1; [`lap`] continues until it is 1. Of
+    /// overlapping patches, only what lies within their outlines counts.
     pub coverage: f64,
-    /// Patches follow the field.
+    /// Whether patches follow the field.
     pub aligned: bool,
-    /// Time that the making took, ms.
+    /// Time taken, ms.
     pub time_ms: f64,
 }
 
 /// A flattened piece of the skin.
 #[derive(Debug, Clone, Default)]
 pub struct Patch {
-    /// Its faces, in the order in which it grew.
+    /// Its faces, in the order in which they were added.
     pub faces: Vec<u32>,
-    /// uv of the corners of each of `faces`, cm, the outline's centre at the origin. Faces keep
-    /// their orientation: none has a negative area.
+    /// uv of the corners of each of `faces`, cm, with the outline's centre at the origin.
+    /// Orientation is preserved: no face has a negative area.
     pub corner_uv: Vec<[Vec2; 3]>,
-    /// The outline that masks an overlapping patch: corners of a star-shaped polygon around the
-    /// origin at even angles, cm, counter-clockwise, the first one on +u (see [`contains`]). Empty
-    /// where patches do not overlap: there a patch shows whole faces.
+    /// The outline that masks an overlapping patch (see [`contains`]): a star-shaped polygon around
+    /// the origin with corners at even angles, cm, counter-clockwise from +u. Empty if patches do
+    /// not overlap; then a patch shows whole faces.
     pub outline: Vec<Vec2>,
 }
 
-/// Largest area of the skin over the square of the radius for overlapping patches: a quarter of a
-/// million of them.
+/// Largest area of the skin relative to the squared radius of overlapping patches, which bounds
+/// their number to about this.
 const MOST_PATCH_AREAS: f64 = 250_000.0;
 
-/// Covers `skin` with patches as `scene.lapped` says; random numbers come from `scene.render.seed`.
+/// Covers `skin` with patches as `scene.lapped` describes; `scene.render.seed` is the random seed.
 ///
 /// # Errors
-/// [`Error::Scene`] where the skin has no faces or no area, where a setting is out of its range,
-/// and where the direction field has no direction: `field = "groom"` without
-/// `guard.comb_direction`, `field = "vectors"` without vectors or with one that is zero or stands
-/// square to the skin.
+/// [`Error::Scene`] if the skin has no faces or no area, if a setting is out of range, or if the
+/// direction field is undefined: `field = "groom"` without `guard.comb_direction`,
+/// `field = "vectors"` without vectors or with one that is zero or perpendicular to the skin.
 pub fn lap(skin: &Skin, scene: &Scene) -> Result<Lapped> {
     let start = Instant::now();
     let spec = &scene.lapped;
@@ -115,7 +113,7 @@ pub fn lap(skin: &Skin, scene: &Scene) -> Result<Lapped> {
     Ok(lapped)
 }
 
-/// The radius of outlines, cm; settings and skin are checked.
+/// Checks the skin and the settings, and returns the radius of the outlines, cm.
 fn radius(skin: &Skin, spec: &LappedSpec) -> Result<f64> {
     let area = skin.area();
     if skin.triangles.is_empty() {
@@ -152,7 +150,7 @@ fn too_small(radius: f64, area: f64) -> Error {
     )
 }
 
-/// The pasting of patches, one after the other.
+/// State of pasting patches one after the other.
 struct Paste<'a> {
     grower: Grower<'a>,
     radius: f64,
@@ -162,8 +160,8 @@ struct Paste<'a> {
 }
 
 impl Paste<'_> {
-    /// Patches of whole faces: a face belongs to a patch if its centroid lies in the outline. Each
-    /// face shows the last patch.
+    /// Pastes patches of whole faces: a face belongs to a patch if its centroid lies in the
+    /// outline. Each face shows the last patch.
     // [Lengyel2001] sec. 3.2
     fn whole_faces(&mut self) {
         for face in self.grower.surface.random_order(self.seed) {
@@ -183,8 +181,8 @@ impl Paste<'_> {
         self.lapped.coverage = 1.0;
     }
 
-    /// Patches within their outlines, as large as they are; a face belongs to each whose outline
-    /// touches it.
+    /// Pastes patches masked by their outlines; a face belongs to every patch whose outline touches
+    /// it.
     fn overlapping(&mut self) -> Result<()> {
         let surface = self.grower.surface;
         let area = surface.area;
@@ -212,9 +210,9 @@ impl Paste<'_> {
                     }
                     cells.cover(f as u32, &uv, &outline);
                 }
-                // A cell is smaller than the outline around its centre, so that it is covered now.
-                // Should rounding undo that, it counts as uncovered in the end, and the loop still
-                // comes there.
+                // A cell is smaller than the outline around its centre, so it is covered now.
+                // Should rounding prevent that, it is given up, which counts as uncovered in the
+                // end, and the loop terminates.
                 cells.give_up(face, cell);
                 self.lapped.patches.push(patch);
             }
@@ -224,8 +222,8 @@ impl Paste<'_> {
         Ok(())
     }
 
-    /// The outline and the start of the next patch, centred on `center` (barycentric coordinates of
-    /// corners 1 and 2).
+    /// Outline and seed of the next patch, centred on `center` (barycentric coordinates of corners
+    /// 1 and 2) of `face`.
     fn start(&self, face: u32, center: DVec2) -> (Outline, Seed) {
         let random = hash2(self.seed, self.lapped.patches.len() as u32);
         let outline = Outline::new(self.radius, f64::from(self.spec.irregularity), random);
@@ -234,7 +232,7 @@ impl Paste<'_> {
         (outline, Seed { face, center, turn })
     }
 
-    /// Takes faces off that the outline turned out not to touch once the patch was flat.
+    /// Removes faces that the outline does not touch once the patch is flat.
     fn only_touched(&self, patch: &mut Patch, outline: &Outline, seed: u32) {
         let touched = |f: u32, uv: &[Vec2; 3]| {
             f == seed || outline.relation(&uv.map(|p| p.as_dvec2())) != outline::Relation::Outside
@@ -244,12 +242,12 @@ impl Paste<'_> {
         (patch.faces, patch.corner_uv) = kept;
     }
 
-    /// Drops patches that later ones hide everywhere.
+    /// Removes patches that are completely hidden by later ones.
     fn drop_hidden(&mut self) {
         let Lapped { patches, topmost, .. } = &mut *self.lapped;
         let mut shown = vec![false; patches.len()];
         topmost.iter().for_each(|p| shown[*p as usize] = true);
-        // How many of those before a patch are shown: its new number.
+        // New index of each patch: the number of visible patches before it.
         let number: Vec<u32> = shown
             .iter()
             .scan(0, |count, shown| {

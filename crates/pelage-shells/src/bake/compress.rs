@@ -6,10 +6,10 @@ use pelage_core::film::tonemap::{srgb_decode, srgb_encode};
 
 /// Eight bits per channel: the premultiplied colour encoded as sRGB, coverage linear. Values are
 /// clamped to 0..1.
-// [IEC61966]
 ///
 /// Texture units decode colours before they filter, so filtering and blending work on linear
 /// premultiplied colour.
+// [IEC61966]
 pub fn rgba8(texture: &Texture) -> Vec<u8> {
     let byte = |v: f32| (v.clamp(0.0, 1.0) * 255.0).round() as u8;
     let texel = |t: &[f32; 4]| {

@@ -1,22 +1,23 @@
-//! The fur for other programs as glTF 2.0: the skin as an ordinary mesh, and all that shells and
-//! fins need besides.
+//! Exports the fur as glTF 2.0: the skin as an ordinary mesh, and what shells and fins need in
+//! addition.
 //!
-//! `fur.gltf` and `fur.bin` hold one mesh, in centimetres under a node that scales to glTF's
+//! `fur.gltf` and `fur.bin` hold one mesh, in centimetres, under a node that scales to glTF's
 //! metres. Its attributes:
 //!
-//! | attribute | what |
+//! | attribute | contents |
 //! |---|---|
 //! | `POSITION`, `NORMAL` | the skin |
-//! | `TEXCOORD_0` | the skin's own uv, where it has one; v downwards, as glTF wants it |
-//! | `TEXCOORD_1` (or `_0` for a skin without uv) | place in the fur's textures, one unit a repeat; v upwards, as in the textures |
+//! | `TEXCOORD_0` | the skin's own uv, if it has one; v downwards, as in glTF |
+//! | `TEXCOORD_1` (or `_0` for a skin without uv) | place in the fur's textures, one unit per repeat; v upwards, as in the textures |
 //! | `COLOR_0` | colour of the bare skin, linear |
 //! | `_FUR` | from the skin to the tip of the longest hair, cm |
-//! | `_FUR_1`, `_FUR_2` | inner control points of its Bézier curve, relative to the skin, cm |
-//! | `_FUR_NORMAL` | direction in which upright hair stands |
+//! | `_FUR_1`, `_FUR_2` | inner control points of the hair's Bézier curve, relative to the skin, cm |
+//! | `_FUR_NORMAL` | direction of upright hair |
 //! | `_FUR_COLOR` | factor on the textures' colour |
 //!
-//! The root's `extras.pelage` is an [`Extras`]: what the textures mean, edges for fins, settings,
+//! The root's `extras.pelage` is an [`Extras`]: metadata of the textures, edges for fins, settings,
 //! view and lights.
+// [GLTF2]
 
 mod points;
 
@@ -38,9 +39,9 @@ use std::path::{Path, PathBuf};
 pub const GLTF_FILE: &str = "fur.gltf";
 /// Its buffer.
 pub const BIN_FILE: &str = "fur.bin";
-/// The array texture of the layers, beside the document.
+/// The array texture of the layers, in the same folder as the document.
 pub const LAYERS_FILE: &str = "layers.ktx2";
-/// The texture of the fins, beside the document.
+/// The texture of the fins, in the same folder as the document.
 pub const FIN_FILE: &str = "fin.ktx2";
 
 /// `extras.pelage` of the document.
@@ -48,20 +49,20 @@ pub const FIN_FILE: &str = "fin.ktx2";
 pub struct Extras {
     /// Version of this format: 1.
     pub version: u32,
-    /// What the textures mean.
+    /// Metadata of the textures.
     pub manifest: Manifest,
     /// File of the layers: KTX2 array texture, sRGB, premultiplied in linear light.
     pub layers_texture: String,
-    /// File of the fin: KTX2 texture, as the layers; v from the skin to the tips.
+    /// File of the fin: KTX2 texture, encoded as the layers; v runs from the skin to the tips.
     pub fin_texture: String,
-    /// Which `TEXCOORD` is the place in the layers.
+    /// Index of the `TEXCOORD` that holds the place in the layers.
     pub fur_texcoord: u32,
-    /// The hairs in each layer, the innermost first; means of coverage and colour are in the
-    /// manifest's `summary`.
+    /// Directions of the hairs in each layer, innermost first; means of coverage and colour are in
+    /// the manifest's `summary`.
     pub strays: Vec<Stray>,
-    /// Variance of the guard hairs' direction about that of the hair, an axis.
+    /// Variance per axis of the guard hairs' direction around that of the hair.
     pub guard_variance: f32,
-    /// The edges on which fins stand.
+    /// The edges that may carry fins.
     pub fins: FinAccessors,
     /// Settings.
     pub shells: ShellSettings,
@@ -69,91 +70,91 @@ pub struct Extras {
     pub view: View,
 }
 
-/// How directions stray in a layer.
+/// Directions of the hairs in a layer.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Stray {
-    /// Part of the coverage that is guard hair: it goes along the hair.
+    /// Fraction of the coverage that is guard hair, which follows the direction of the hair.
     pub guard: f32,
-    /// All else goes along the upright direction and this, world space; none where it goes along
-    /// the hair too.
+    /// All other hair follows the sum of the upright direction and this vector, world space; if
+    /// absent, it follows the direction of the hair too.
     pub lean: Option<[f32; 3]>,
-    /// Variance of its direction about that, an axis.
+    /// Variance per axis of the other hair's direction.
     pub variance: f32,
 }
 
-/// Accessors of the fins, one element an edge.
+/// Accessors of the fins, one element per edge.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FinAccessors {
-    /// VEC4 of unsigned integers: vertices of the edge, the third vertex of the face whose edge it
-    /// is, and that of the neighbour; 4294967295 where there is no neighbour.
+    /// VEC4 of unsigned integers: the two vertices of the edge, the third vertex of the face in
+    /// whose direction it runs, and that of the neighbour; 4294967295 if there is no neighbour.
     pub edges: u32,
-    /// VEC2: u of the fin texture at both ends.
+    /// VEC2: u of the fin texture at both ends of the edge.
     pub u: u32,
-    /// Depth of fur that a fin stands for, by that of its texture: what a texel lets through is
-    /// taken to this power, before mips are made.
+    /// Depth of fur that a fin represents, relative to that of its texture: transmittances of
+    /// texels are raised to this power before mips are made.
     pub depth: f32,
-    /// Rows of texels that the fin's coarsest mip keeps: light changes from skin to tip.
+    /// Rows of texels in the coarsest mip of the fin, because light varies from skin to tip.
     pub rows: u32,
 }
 
-/// How shells and fins are drawn: the part of the scene's `[shells]` that a client needs.
+/// Settings for drawing: the part of the scene's `[shells]` that a client needs.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ShellSettings {
     /// Draw the shells.
     pub shells: bool,
     /// Draw the fins.
     pub fins: bool,
-    /// How fins appear towards the silhouette.
+    /// How fins fade in towards the silhouette.
     pub fade: FinFade,
     /// Cosine below which an edge counts as near the silhouette.
     pub fin_threshold: f32,
     /// Shells write depth where they are not transparent.
     pub depth_write: bool,
-    /// Coverage grows with the way that a look takes through a layer; with fins, shells fade where
-    /// they are seen from the edge.
+    /// Coverage increases with the path length through a layer; with fins, shells fade where they
+    /// are seen edge-on.
     pub slanted: bool,
-    /// Shells drawn, from the skin outwards; layer l stands at the height (l + 0.5) /
+    /// Number of shells drawn, from the skin outwards; layer l is at height (l + 0.5) /
     /// `manifest.layers` of the hair.
     pub layers: u32,
     /// The lighting table.
     pub table: LightingTable,
 }
 
-/// A view in the scene file's terms: lengths cm, angles degrees, colours linear RGB.
+/// A view in the units of scene files: lengths in cm, angles in degrees, colours in linear RGB.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct View {
     /// The camera.
     pub camera: Camera,
-    /// Pixels.
+    /// Width, pixels.
     pub width: u32,
-    /// Pixels.
+    /// Height, pixels.
     pub height: u32,
-    /// Colour behind all; none where the scene has an image there.
+    /// Background colour; absent if the scene has a background image.
     pub background: Option<[f32; 3]>,
-    /// Stops.
+    /// Exposure, stops.
     pub exposure: f32,
     /// Tone mapping.
     pub tonemap: Tonemap,
-    /// All lights, those made of an environment map included.
+    /// All lights, including those derived from an environment map.
     pub lights: Vec<ViewLight>,
 }
 
 /// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ViewLight {
-    /// Unit vector towards it.
+    /// Unit vector towards the light.
     pub direction: [f32; 3],
-    /// Irradiance on a surface that faces it.
+    /// Irradiance on a surface that faces the light.
     pub irradiance: [f32; 3],
 }
 
 /// Writes [`GLTF_FILE`] and [`BIN_FILE`] into the folder `dir` and returns their paths. The
-/// textures, which the document names ([`LAYERS_FILE`], [`FIN_FILE`]), are not written here.
+/// textures to which the document refers ([`LAYERS_FILE`], [`FIN_FILE`]) are not written here.
 ///
 /// # Errors
-/// [`Error::Unsupported`] where `lapped` is not of this skin, sizes of the textures are not
-/// positive, the skin has no uv though the scene maps by it, or a map of `[shells]` is not loaded;
-/// [`Error::Io`].
+/// [`Error::Unsupported`] if `lapped` belongs to another skin, if sizes of the textures are not
+/// positive, if the scene maps by uv and the skin has none, or if a map of `[shells]` is not
+/// loaded; [`Error::Io`].
 pub fn write(
     world: &World,
     lapped: &crate::lapped::Lapped,
@@ -164,7 +165,7 @@ pub fn write(
     let edges = fin_edges(world, &clothed, textures.manifest.fin_length);
     let (document, bin) = document(world, &clothed, &edges, textures)?;
     let (gltf, buffer) = (dir.join(GLTF_FILE), dir.join(BIN_FILE));
-    // The document last: where it stands, its buffer does too.
+    // The document is written last: when it exists, so does its buffer.
     files::write_buffered(&buffer, |out| Ok(out.write_all(&bin)?))?;
     files::write_buffered(&gltf, |out| Ok(writeln!(out, "{document:#}")?))?;
     Ok(vec![gltf, buffer])
@@ -211,18 +212,18 @@ fn fin_depth(world: &World, clothed: &Clothed, edges: &[FinEdge], manifest: &Man
     FIN_SPACING * mean as f32 / manifest.fin_depth
 }
 
-/// How directions stray in each layer, as shells are drawn by `pelage render`.
+/// Directions of the hairs in each layer, as `pelage render` draws the shells.
 fn strays(world: &World, textures: &FurTextures) -> Result<Vec<Stray>> {
     let manifest = &textures.manifest;
-    let (coat, fur) = (&world.scene.undercoat, groom::pack(world)?.undercoat);
+    let (undercoat, fur) = (&world.scene.undercoat, groom::pack(world)?.undercoat);
     let covered = |texture: &Texture| texture.texels.iter().map(|t| f64::from(t[3])).sum::<f64>();
     let of_layer = |(l, layer): (usize, &Texture)| {
         let guard = textures.guard.get(l).map_or(0.0, |guard| covered(guard) / covered(layer).max(1e-12));
         let guard = guard.clamp(0.0, 1.0) as f32;
         let height = (l as f32 + 0.5) * world.scene.shells.spacing.unwrap_or(manifest.spacing);
         let variance = stray_variance(world, manifest.source, height);
-        // By the undercoat's height, above which nothing changes.
-        let lean = Vec3::from(fur.lean) * (height / coat.height.max().max(1e-6)).min(1.0);
+        // The lean grows up to the undercoat's height.
+        let lean = Vec3::from(fur.lean) * (height / undercoat.height.max().max(1e-6)).min(1.0);
         Stray { guard, lean: (manifest.source == BakeSource::Hybrid).then(|| lean.into()), variance }
     };
     Ok(textures.layers.iter().enumerate().map(of_layer).collect())
@@ -266,7 +267,7 @@ fn document(
         depth: fin_depth(world, clothed, edges, manifest),
         rows: FIN_TEXELS,
     };
-    // Only vertex attributes and indices are sent to a GPU as they are.
+    // Only vertex attributes and indices are uploaded to a GPU unchanged.
     for accessor in attributes.as_object().into_iter().flatten().filter_map(|(_, a)| a.as_u64()) {
         bin.target(accessor as u32, ARRAY_BUFFER);
     }
@@ -284,12 +285,12 @@ fn document(
         view,
     };
     let extras = serde_json::to_value(extras)
-        .map_err(|e| Error::Encoding(format!("{GLTF_FILE}: the settings cannot be written as JSON: {e}")))?;
+        .map_err(|e| Error::Encoding(format!("{GLTF_FILE}: the settings cannot be encoded as JSON: {e}")))?;
     let document = json!({
         "asset": { "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
         "scenes": [{ "nodes": [0] }],
-        // Metres from centimetres.
+        // Centimetres to metres.
         "nodes": [{ "name": "fur", "mesh": 0, "scale": [0.01, 0.01, 0.01] }],
         "meshes": [{
             "name": "skin",
@@ -312,8 +313,8 @@ const ELEMENT_ARRAY_BUFFER: u32 = 34963;
 const UNSIGNED_INT: u32 = 5125;
 const FLOAT: u32 = 5126;
 
-/// A glTF buffer, with a view and an accessor for each array in it. All elements are of 4 bytes, so
-/// that all is aligned.
+/// A glTF buffer with one view and one accessor per array. All components have 4 bytes, so that
+/// everything is aligned.
 #[derive(Default)]
 struct Bin {
     bytes: Vec<u8>,
@@ -352,7 +353,7 @@ impl Bin {
         }
     }
 
-    /// What the view of an accessor is for; each accessor has a view of its own.
+    /// Sets the target of an accessor's view; each accessor has its own view.
     fn target(&mut self, accessor: u32, target: u32) {
         if let Some(view) = self.views.get_mut(accessor as usize) {
             view["target"] = target.into();

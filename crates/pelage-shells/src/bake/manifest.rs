@@ -1,20 +1,20 @@
-//! What baked textures mean: units, sizes, colour space. Written beside them as `manifest.json`.
+//! Metadata of baked textures: units, sizes, colour space. Written as `manifest.json`.
 
 use super::memory::MemoryRow;
 use pelage_core::scene::BakeSource;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What baked textures mean.
+/// Metadata of baked textures.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct Manifest {
     /// Version of this format: 1.
     pub version: u32,
-    /// Program and version that made the textures.
+    /// Program and version that wrote the textures.
     pub generator: String,
-    /// What they were made from.
+    /// Source of the hair.
     pub source: BakeSource,
-    /// Seed of everything random.
+    /// Seed of all random numbers.
     pub seed: u32,
     /// Number of layers, innermost first.
     pub layers: u32,
@@ -24,7 +24,7 @@ pub struct Manifest {
     pub fin_resolution: [u32; 2],
     /// Edges of the torus along u and v, cm: one repeat of the texture on the skin.
     pub patch: [f32; 2],
-    /// Length of one repeat of the fin along an edge, cm.
+    /// Length along an edge of one repeat of the fin, cm.
     pub fin_length: f32,
     /// Thickness of the slab of fur that the fin shows, cm.
     pub fin_depth: f32,
@@ -41,26 +41,26 @@ pub struct Manifest {
 pub struct LayerSummary {
     /// Mean coverage.
     pub coverage: f32,
-    /// Mean optical depth for a look along the normal across the hairs.
+    /// Mean optical depth along the normal, with every hair perpendicular to it.
     pub optical_depth: f32,
     /// Mean colour, linear RGB, weighted by coverage.
     pub color: [f32; 3],
 }
 
-/// What stands in `manifest.json`: what the textures mean, and in which files they are.
+/// Contents of `manifest.json`: metadata of the textures, and their files.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct ManifestFile {
-    /// The schema of this file, beside it.
+    /// The schema of this file, in the same folder.
     #[serde(rename = "$schema", default)]
     pub schema: String,
-    /// What the textures mean.
+    /// Metadata of the textures.
     #[serde(flatten)]
     pub manifest: Manifest,
     /// Unit of all lengths: cm.
     pub unit: String,
-    /// Primaries and white of all colours: those of Rec. 709 and sRGB.
+    /// Primaries and white point of all colours: those of Rec. 709 and sRGB.
     pub primaries: String,
-    /// The levels of detail, the finest first.
+    /// The levels of detail, finest first.
     pub lods: Vec<LodEntry>,
     /// All files.
     pub files: Vec<FileEntry>,
@@ -73,54 +73,54 @@ pub struct ManifestFile {
 pub struct LodEntry {
     /// 0 is the finest.
     pub level: u32,
-    /// Layers of this level.
+    /// Number of layers at this level.
     pub layers: u32,
-    /// Height above the skin of the middle of what each layer stands for, cm.
+    /// For each layer, the height above the skin of the middle of the slab that it represents, cm.
     pub heights: Vec<f32>,
 }
 
 /// A file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 pub struct FileEntry {
-    /// Path from the folder of the manifest, with `/`.
+    /// Path relative to the manifest's folder, with `/`.
     pub path: String,
-    /// What it shows.
+    /// Contents of the file.
     pub content: Content,
-    /// Level of detail, 0 the finest.
+    /// Level of detail; 0 is the finest.
     pub lod: u32,
-    /// The layer it shows; not there for fins and for files that hold all layers.
+    /// Index of the layer; absent for fins and for files that hold all layers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub layer: Option<u32>,
-    /// How the texels are stored. The first row is that of v = 0: the top of the picture.
+    /// How the texels are stored. The first row, at the top of the image, has v = 0.
     pub texels: Texels,
     /// Width and height of the finest mip level.
     pub size: [u32; 2],
-    /// Layers in the file; 0 where it is a plain image and no array.
+    /// Number of array layers; 0 for a plain image.
     pub layers: u32,
-    /// Mip levels.
+    /// Number of mip levels.
     pub mips: u32,
-    /// Bytes of the file.
+    /// Size of the file in bytes.
     pub bytes: u64,
-    /// Peak signal-to-noise ratio of the finest mip level against the uncompressed bytes, dB; only
-    /// where it is compressed with loss and not equal.
+    /// Peak signal-to-noise ratio of the finest mip level relative to the uncompressed bytes, dB;
+    /// absent for lossless files and for equal bytes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub psnr: Option<f32>,
-    /// Change of the mean coverage by compression, as part of it.
+    /// Relative change of the mean coverage by compression.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub coverage_change: Option<f32>,
 }
 
-/// What a file shows.
+/// Contents of a file.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
 pub enum Content {
     /// The layers, or one of them; wraps around along u and v.
     Layers,
-    /// The guard hairs' share of the layers.
+    /// Contribution of the guard hairs to the layers.
     Guard,
-    /// The fin; wraps around along u alone.
+    /// The fin; wraps around along u only.
     Fin,
-    /// The guard hairs' share of the fin.
+    /// Contribution of the guard hairs to the fin.
     FinGuard,
 }
 
@@ -130,8 +130,8 @@ pub enum Content {
 pub enum Texels {
     /// OpenEXR: 32-bit floats, linear, premultiplied. Exact.
     ExrFloat,
-    /// PNG: 8 bits, sRGB, not premultiplied; texels without coverage have the colour of those
-    /// around them.
+    /// PNG: 8 bits, sRGB, not premultiplied; texels without coverage have the colour of their
+    /// surroundings.
     PngStraight,
     /// KTX 2.0, R8G8B8A8_SRGB: premultiplied in linear light, then encoded; coverage linear.
     Ktx2Rgba8,

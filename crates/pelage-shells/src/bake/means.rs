@@ -20,10 +20,10 @@ pub(super) struct SkinSamples<'a> {
 
 impl<'a> SkinSamples<'a> {
     /// At least one point on each triangle, more on larger ones.
-    // [Roberts2018], [Turk1990]
     ///
     /// # Errors
     /// As [`groom::pack`].
+    // [Roberts2018], [Turk1990]
     pub fn new(world: &'a World) -> Result<Self> {
         let skin = &world.skin;
         let total = skin.area().max(1e-30);

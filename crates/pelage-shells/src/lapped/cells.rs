@@ -1,5 +1,5 @@
-//! What overlapping patches cover, exactly: each face is cut into cells, and a cell is covered once
-//! a single patch holds all of it inside its outline.
+//! Exact coverage by overlapping patches: each face is divided into cells, and a cell is covered
+//! once it lies entirely within the outline of a single patch.
 
 use super::{
     outline::{Outline, Relation},
@@ -7,25 +7,26 @@ use super::{
 };
 use glam::{DVec2, Vec2};
 
-/// Most cells of a skin.
+/// Largest number of cells of a skin.
 const MOST: usize = 20_000_000;
 
 /// The cells of all faces.
 pub(super) struct Cells {
-    /// The first cell of each face, and the end.
+    /// Index of the first cell of each face, followed by the total number.
     start: Vec<u32>,
-    /// Corners: barycentric coordinates of the face's corners 1 and 2.
+    /// Corners of each cell, as barycentric coordinates of the face's corners 1 and 2.
     corners: Vec<[Vec2; 3]>,
     covered: Vec<bool>,
-    /// Uncovered cells of each face.
+    /// Number of uncovered cells of each face.
     left: Vec<u32>,
-    /// Cells of each face that were given up.
+    /// Number of cells of each face that were given up.
     lost: Vec<u32>,
     areas: Vec<f64>,
 }
 
 impl Cells {
-    /// Cells with sides of at most `side`, cm. `None` where there would be too many.
+    /// Divides faces into cells with sides of at most `side` cm, by bisecting longest sides. `None`
+    /// if there would be too many cells.
     pub fn new(surface: &Surface, side: f64) -> Option<Self> {
         let mut corners = Vec::new();
         let mut start = vec![0];
@@ -63,7 +64,8 @@ impl Cells {
         self.start[face as usize] as usize..self.start[face as usize + 1] as usize
     }
 
-    /// An uncovered cell of a face, chosen by the random number `draw`, and its centre.
+    /// An uncovered cell of a face, chosen by the random number `draw`, and its centre (barycentric
+    /// coordinates of corners 1 and 2).
     pub fn uncovered(&self, face: u32, draw: u32) -> Option<(usize, DVec2)> {
         let left = self.left[face as usize];
         let skip = draw.checked_rem(left)? as usize;
@@ -72,7 +74,7 @@ impl Cells {
         Some((cell, (a + b + c).as_dvec2() / 3.0))
     }
 
-    /// Marks the cells of `face` that lie in an outline, `uv` those of its corners.
+    /// Marks the cells of `face` that lie within an outline; `uv` are those of the face's corners.
     pub fn cover(&mut self, face: u32, uv: &[DVec2; 3], outline: &Outline) {
         if self.left[face as usize] == 0 {
             return;
@@ -86,7 +88,7 @@ impl Cells {
         }
     }
 
-    /// Gives a cell of `face` up if it is still uncovered.
+    /// Gives up a cell of `face` if it is still uncovered, so that it is not tried again.
     pub fn give_up(&mut self, face: u32, cell: usize) {
         if !self.covered[cell] {
             self.covered[cell] = true;
@@ -95,7 +97,7 @@ impl Cells {
         }
     }
 
-    /// Part of the area that is covered.
+    /// Fraction of the area that is covered.
     pub fn coverage(&self) -> f64 {
         let cells = |f: usize| (self.start[f + 1] - self.start[f]) as f64;
         let part = |f: usize| self.areas[f] * (1.0 - f64::from(self.left[f] + self.lost[f]) / cells(f));

@@ -1,8 +1,9 @@
-//! The direction of the hair on each face, as a unit number in the face's frame.
+//! The direction of the hair on each face, as a complex number of modulus 1 in the face's frame.
 //!
-//! All sources end in the same system: the connection Laplacian of the dual graph, which asks that
-//! directions change little from face to face when the two are laid flat. Singular points, which a
-//! sphere cannot be without, come where they may.
+//! All sources lead to the same system: the connection Laplacian of the dual graph, which penalises
+//! changes of direction between adjacent faces unfolded into a plane. Singularities, which a sphere
+//! cannot avoid, arise where they cost least.
+// [Knoppel2013]; here on the dual graph of the faces instead of the vertices
 
 use super::{
     solve::{Complex, Factor},
@@ -16,18 +17,21 @@ use rayon::prelude::*;
 
 const ZERO: Complex = Complex::new(0.0, 0.0);
 
-/// Sine below which a direction counts as square to a face: nothing of it is left on it.
-const SQUARE: f64 = 0.02;
+/// Sine below which a direction counts as perpendicular to a face, without a usable tangential
+/// part.
+const PERPENDICULAR: f64 = 0.02;
 
-/// Where the search for the smoothest field starts: downwards, and a little aside. Straight down, a
+/// Initial direction for the smoothest field: downwards and slightly aside. Exactly downwards, a
 /// symmetric skin would keep a parting along its ridge.
 const DOWN: DVec3 = DVec3::new(0.1, -1.0, 0.3);
 
-/// Over how much of a patch's radius projected directions are evened out. A direction that stands
-/// almost square to the skin would follow every dent else, and no patch could follow it.
-const EVENED: f64 = 0.5;
+/// Length over which projected directions are smoothed, relative to the patches' radius. Otherwise
+/// a direction almost perpendicular to the skin would follow every dent, and no patch could follow
+/// it.
+const SMOOTHING: f64 = 0.5;
 
-/// The directions for `spec`; `comb` is the groom's, world space, `radius` that of the patches, cm.
+/// The directions that `spec` describes; `comb` is the groom's comb direction in world space,
+/// `radius` that of the patches, cm.
 pub(super) fn directions(
     surface: &Surface,
     spec: &LappedSpec,
@@ -51,24 +55,24 @@ pub(super) fn directions(
     }
 }
 
-/// `direction` projected on each face and diffused over part of the radius: what is left of it on a
-/// face says how much it counts. Where nothing is left, the surroundings decide.
+/// `direction`, projected on each face and diffused over part of the radius: the length of a
+/// projection is its weight. Where nothing is left, the surroundings decide.
 fn projected(surface: &Surface, direction: DVec3, radius: f64) -> Result<Vec<Complex>> {
     let z: Vec<Complex> = surface.frames.iter().map(|frame| frame.tangential(direction)).collect();
     let mut most = vec![0.0_f64; surface.parts.len()];
     z.iter()
         .zip(&surface.part)
         .for_each(|(z, p)| most[*p as usize] = most[*p as usize].max(z.re.hypot(z.im)));
-    // A diagonal of s times the share in the area diffuses over a length of sqrt(area / s).
-    let share = |f: usize| surface.parts[surface.part[f] as usize].1 / (EVENED * radius).powi(2);
+    // A diagonal of s times the fraction of area diffuses over a length of sqrt(area / s).
+    let share = |f: usize| surface.parts[surface.part[f] as usize].1 / (SMOOTHING * radius).powi(2);
     let laplacian = Laplacian::new(surface, 1e-9, |f, mass| mass * share(f))?;
     let even = laplacian.solve(&z, |f| laplacian.mass[f] * share(f));
-    let of = |(z, part): (&Complex, &u32)| if most[*part as usize] > SQUARE { unit(*z) } else { None };
+    let of = |(z, part): (&Complex, &u32)| if most[*part as usize] > PERPENDICULAR { unit(*z) } else { None };
     filled(surface, even.iter().zip(&surface.part).map(of).collect())
 }
 
-/// Gives faces without a direction the mean of their neighbours', nearest first. A part of the skin
-/// without any gets its smoothest field.
+/// Gives faces without a direction the mean of their neighbours', nearest faces first. Parts of the
+/// skin without any direction get their smoothest field.
 fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Complex>> {
     let mut known = vec![false; surface.parts.len()];
     field.iter().zip(&surface.part).filter(|(z, _)| z.is_some()).for_each(|(_, p)| known[*p as usize] = true);
@@ -82,8 +86,8 @@ fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Comp
     }
     let mut open: Vec<u32> = (0..field.len() as u32).filter(|f| field[*f as usize].is_none()).collect();
     while !open.is_empty() {
-        // One ring at a time, from the values of the ring before, so that the order of faces does
-        // not show.
+        // One ring at a time, from values of the ring before, so that the result does not depend on
+        // the order of faces.
         let mean = |f: u32| {
             let arriving = surface.around(f).filter_map(|(k, g)| {
                 let back = surface.side_of(g, f, k);
@@ -104,14 +108,15 @@ fn filled(surface: &Surface, mut field: Vec<Option<Complex>>) -> Result<Vec<Comp
     Ok(field.into_iter().map(|z| z.unwrap_or(Complex::new(1.0, 0.0))).collect())
 }
 
-/// The smoothest field of each part of the skin: the eigenvector to the smallest eigenvalue of the
-/// Laplacian, by inverse iteration from the direction downwards, so that of all that are as smooth
-/// it is the one that falls most. Then directions, of length 1 everywhere, are diffused over about
-/// a seventh of the part's size: an eigenvector may all but vanish on a limb.
+/// The smoothest field of each part of the skin: the eigenvector of the smallest eigenvalue of the
+/// Laplacian, by inverse iteration from the downward direction, so that of equally smooth fields it
+/// is the one that points down most. Then the directions, normalised on each face, are diffused
+/// over about a seventh of the part's size, because an eigenvector may almost vanish on a limb.
+// [Knoppel2013]
 fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
     let mut z = vec![ZERO; surface.frames.len()];
     for direction in [DOWN, DVec3::X] {
-        // A part square to the direction has no start.
+        // A part perpendicular to the direction has no initial value.
         let mut left = vec![0.0; surface.parts.len()];
         z.iter().zip(&surface.part).for_each(|(z, p)| left[*p as usize] += z.re.hypot(z.im));
         for ((z, frame), part) in z.iter_mut().zip(&surface.frames).zip(&surface.part) {
@@ -123,7 +128,7 @@ fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
     let wide = Laplacian::new(surface, 1.0, |_, _| 0.0)?;
     for _ in 0..12 {
         z = wide.solve(&z, |f| wide.mass[f]);
-        // Each part is scaled for itself.
+        // Each part is normalised separately.
         let mut largest = vec![0.0_f64; surface.parts.len()];
         z.iter()
             .zip(&surface.part)
@@ -141,7 +146,7 @@ fn smoothest(surface: &Surface) -> Result<Vec<Complex>> {
     Ok(z.into_iter().map(|z| unit(z).unwrap_or(Complex::new(1.0, 0.0))).collect())
 }
 
-/// The smoothest directions that take the given values where they are given.
+/// The smoothest directions that approximate the given vectors where they are given.
 fn interpolated(surface: &Surface, vectors: &[FieldVector]) -> Result<Vec<Complex>> {
     if vectors.is_empty() {
         let message = "lapped.field is \"vectors\" and there are none, expected at least one: add [[lapped.vectors]] with at \
@@ -164,7 +169,7 @@ fn interpolated(surface: &Surface, vectors: &[FieldVector]) -> Result<Vec<Comple
     filled(surface, z.iter().zip(&surface.part).map(of).collect())
 }
 
-/// The face that a vector stands on and its direction there.
+/// The face nearest to a vector's position, and the vector's direction on it.
 fn placed(surface: &Surface, vector: &FieldVector) -> Result<(usize, Complex), String> {
     let (at, direction) = (Vec3::from(vector.at), Vec3::from(vector.direction));
     if !at.is_finite() {
@@ -180,16 +185,16 @@ fn placed(surface: &Surface, vector: &FieldVector) -> Result<(usize, Complex), S
         .min_by(|a, b| a.0.total_cmp(&b.0).then(a.1.cmp(&b.1)));
     let Some((_, f)) = nearest else { return Err("the skin has no faces".into()) };
     let z = surface.frames[f].tangential(direction);
-    match unit(z).filter(|_| z.re.hypot(z.im) > SQUARE) {
+    match unit(z).filter(|_| z.re.hypot(z.im) > PERPENDICULAR) {
         Some(z) => Ok((f, z)),
         None => Err(format!(
-            "found direction = {:?}, which stands square to the skin at {:?}, expected one along it",
+            "found direction = {:?}, which is perpendicular to the skin at {:?}, expected one with a tangential part",
             vector.direction, vector.at
         )),
     }
 }
 
-/// Squared distance of `p` from a triangle.
+/// Squared distance from `p` to a triangle.
 fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     let to_edge = |a: DVec3, b: DVec3| {
         let t = ((p - a).dot(b - a) / (b - a).length_squared()).clamp(0.0, 1.0);
@@ -203,21 +208,20 @@ fn distance_squared(p: DVec3, [a, b, c]: [DVec3; 3]) -> f64 {
     to_edge(a, b).min(to_edge(b, c)).min(to_edge(c, a))
 }
 
-/// The connection Laplacian of the dual graph plus a diagonal, factorised.
+/// The factorised sum of the connection Laplacian of the dual graph and a diagonal.
 struct Laplacian {
     factor: Factor<Complex>,
-    /// Share of each face in the area of its part.
+    /// Fraction of each face in the area of its part.
     mass: Vec<f64>,
 }
 
 impl Laplacian {
-    /// The diagonal is `shift` times the face's share in the area of its part, plus `more` of the
-    /// face and that share.
+    /// The diagonal is `shift` times the mass (see [`Laplacian::mass`]) plus `more(face, mass)`.
     fn new(surface: &Surface, shift: f64, more: impl Fn(usize, f64) -> f64) -> Result<Self> {
         let faces = surface.frames.len();
         let share = |f: usize| {
             let (count, area) = surface.parts[surface.part[f] as usize];
-            // The second term keeps a face without area from a zero on the diagonal.
+            // The second term avoids zeros on the diagonal for faces without area.
             let by_area = if area > 0.0 { surface.frames[f].area / area } else { 0.0 };
             by_area + 1e-6 / count as f64
         };
@@ -229,7 +233,7 @@ impl Laplacian {
                 let w = weight(surface, f, k, g);
                 diagonal[f as usize] += w;
                 diagonal[g as usize] += w;
-                // The row of f asks for z_f = r z_g, r the transport from g to f.
+                // The row of f asks for z_f = r z_g, with r the transport from g to f.
                 let back = surface.transport(f, k, g).conj();
                 entries.push((f as usize, g as usize, back * -w));
             }
@@ -249,7 +253,8 @@ impl Laplacian {
     }
 }
 
-/// Weight of the pair of faces: length of their side over the distance of their centres, laid flat.
+/// Weight of a pair of adjacent faces: length of their common side over the distance of their
+/// centroids, unfolded into a plane.
 fn weight(surface: &Surface, f: u32, k: usize, g: u32) -> f64 {
     let apart = |f: u32, k: usize| {
         let c = &surface.frames[f as usize].corners;

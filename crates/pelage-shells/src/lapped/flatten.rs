@@ -1,4 +1,4 @@
-//! Flattening: the least-squares fit of a patch to the directions on its faces.
+//! Flattens a patch by a least-squares fit to the directions on its faces.
 
 use super::{
     grow::{Region, Seed},
@@ -8,38 +8,39 @@ use super::{
 use faer::Mat;
 use glam::{DVec2, Vec2};
 
-/// Largest stretch of a face in any direction, and of its area, and the inverse of the smallest.
+/// Limit of a face's singular values and of its area ratio; the lower limit is the inverse.
 pub(super) const LIMIT: f64 = 2.0;
 
-/// Largest angle between u and the direction of a face, where patches follow the field, radians.
+/// Largest angle between u and the direction of a face, for patches that follow the field, radians.
 pub(super) const TURN: f64 = std::f64::consts::FRAC_PI_4;
 
 /// A flat patch.
 pub(super) struct Flat {
     /// uv of the corners of each face, cm.
     pub corner_uv: Vec<[Vec2; 3]>,
-    /// How each face came to lie.
+    /// The map from each face to uv.
     pub maps: Vec<Map>,
 }
 
 impl Flat {
-    /// The faces that are flipped or stretched past the limit, by their place in the patch.
+    /// Indices within the patch of faces that are flipped, or stretched or turned beyond the
+    /// limits.
     pub fn bad(&self) -> Vec<usize> {
         (0..self.maps.len()).filter(|i| !self.maps[*i].is_within_limits()).collect()
     }
 }
 
-/// The map from a face, its direction of hair along the first axis, to uv.
+/// The linear map from a face, with the direction of the hair along its first axis, to uv.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Map {
-    /// Largest and smallest singular value; the smallest is negative where the face is flipped.
+    /// Largest and smallest singular value; the smallest is negative if the face is flipped.
     pub stretch: [f64; 2],
-    /// Angle between the image of the direction and u, radians.
+    /// Angle between the image of the hair's direction and u, radians.
     pub angle: f64,
 }
 
 impl Map {
-    /// From the face's corners to their uv.
+    /// The map from a face's corners to their uv.
     pub fn of(from: &[DVec2; 3], to: &[DVec2; 3]) -> Self {
         let (a, b) = (from[1] - from[0], from[2] - from[0]);
         let (p, q) = (to[1] - to[0], to[2] - to[0]);
@@ -52,7 +53,8 @@ impl Map {
         Self { stretch: [turn + mirror, turn - mirror], angle: x.y.atan2(x.x) }
     }
 
-    /// Neither flipped, nor stretched past [`LIMIT`], nor turned past [`TURN`].
+    /// Whether the face is neither flipped, nor stretched beyond [`LIMIT`], nor turned beyond
+    /// [`TURN`].
     pub fn is_within_limits(&self) -> bool {
         let [most, least] = self.stretch;
         let area = most * least;
@@ -61,16 +63,15 @@ impl Map {
     }
 }
 
-/// Flattens a region so that on each face u grows along its direction and v across, both by 1 cm a
-/// cm, as far as this can be; then the seed's centre goes to the origin. `None` where the system
-/// cannot be solved.
+/// Flattens a region so that on each face u grows along the direction of the hair and v
+/// perpendicular to it, as nearly as possible at unit rate, and moves the seed's centre to the
+/// origin. `None` if the system cannot be solved.
 // [Praun2000] sec. 4: min sum_f |phi(S_f) - s|² + |phi(T_f) - t|²
-// DEVIATION: faces count by their area, so that the fit does not hang on how the surface is cut
-// into triangles. The system is that of the cotangent Laplacian then.
+// DEVIATION: faces are weighted by area, so that the fit does not depend on the triangulation. The
+// system matrix is then the cotangent Laplacian [PinkallPolthier1993].
 pub(super) fn flatten(surface: &Surface, region: &Region, seed: &Seed) -> Option<Flat> {
     let vertices = region.uv.len();
-    // Corner 0 of the seed stays at the origin: without a vertex that is held, the system is
-    // singular.
+    // Corner 0 of the seed is fixed at the origin; without a fixed vertex the system is singular.
     let held = region.corners[0][0];
     let row = |v: u32| (v as usize) - usize::from(v > held);
     let mut entries = Vec::with_capacity(12 * region.faces.len());

@@ -1,4 +1,4 @@
-//! Patches grow face by face and stay discs.
+//! Grows patches face by face, keeping them topological discs.
 
 use super::{
     Patch,
@@ -12,38 +12,39 @@ use std::{cmp::Ordering, collections::BinaryHeap};
 /// Where a patch starts.
 pub(super) struct Seed {
     pub face: u32,
-    /// The centre: barycentric coordinates of corners 1 and 2.
+    /// The centre: barycentric coordinates of corners 1 and 2 of `face`.
     pub center: DVec2,
-    /// Angle between the patch and the field at the centre, the rest laid flat around it; `None`:
-    /// the patch follows the field everywhere.
+    /// Angle between the patch and the field at the centre, from which the direction is transported
+    /// over the patch; `None` if the patch follows the field everywhere.
     pub turn: Option<f64>,
 }
 
-/// A grown piece of the skin, not yet flat. Vertices have numbers of their own.
+/// A grown piece of the skin, not yet flat. Its vertices have local indices.
 #[derive(Default)]
 pub(super) struct Region {
     pub faces: Vec<u32>,
     /// Direction of u on each face, in its frame.
     pub directions: Vec<Complex>,
-    /// Vertices of each face.
+    /// Local vertex indices of each face.
     pub corners: Vec<[u32; 3]>,
-    /// Where each vertex is expected.
+    /// Expected uv of each vertex, cm.
     pub uv: Vec<DVec2>,
 }
 
-/// Cosine of the angle between the directions of two faces below which a patch does not go from one
-/// to the other.
+/// Patches do not grow across edges where the cosine of the angle between the directions of both
+/// faces is below this.
 const PARTING: f64 = 0.5;
 
-/// Stretch of a face where it is expected past which it is not tried. Much more than
-/// [`flatten::LIMIT`]: flattening spreads it over the patch, and a face that is left out is a tear.
+/// Faces with an expected stretch beyond this are not tried. The limit is much larger than
+/// [`flatten::LIMIT`], because flattening spreads stretch over the patch, whereas a face that is
+/// left out is a tear.
 const HOPELESS: f64 = 8.0;
 
-/// Faces cut off from a patch this often are the last: then it is halved instead.
+/// Number of times that bad faces are cut off a patch; after that the patch is halved instead.
 const CUTS: usize = 6;
 
-/// Grows patches. It keeps marks of the size of the skin, so that a patch takes time by its own
-/// size.
+/// Grows patches. It keeps marks for the whole skin, so that the time per patch depends on the
+/// patch's size only.
 pub(super) struct Grower<'a> {
     pub surface: &'a Surface<'a>,
     field: &'a [Complex],
@@ -70,8 +71,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// The flat patch around `seed` of faces that `accept` takes by their expected uv. It holds at
-    /// least the face of the seed, and no face that is flipped or stretched past
+    /// Grows and flattens the patch around `seed`, of faces that `accept` takes by their expected
+    /// uv. It contains at least the seed's face, and no face that is flipped or stretched beyond
     /// [`flatten::LIMIT`].
     pub fn patch(&mut self, seed: &Seed, accept: &dyn Fn(&[DVec2; 3]) -> bool) -> Patch {
         self.round += 1;
@@ -97,14 +98,15 @@ impl<'a> Grower<'a> {
         Patch { corner_uv: vec![self.alone(&region, seed)], faces: region.faces, outline: Vec::new() }
     }
 
-    /// The only face of a region, exactly as it is.
+    /// uv of the only face of a region, without distortion.
     fn alone(&self, region: &Region, seed: &Seed) -> [Vec2; 3] {
         let c = self.surface.frames[seed.face as usize].turned(region.directions[0]);
         let center = c[0] + (c[1] - c[0]) * seed.center.x + (c[2] - c[0]) * seed.center.y;
         c.map(|p| (p - center).as_vec2())
     }
 
-    /// The disc of at most `most` faces, those whose expected centre is nearest first.
+    /// Grows a disc of at most `most` faces, those with the nearest expected centres first; faces
+    /// marked `ban` are left out.
     fn grow(&mut self, seed: &Seed, accept: &dyn Fn(&[DVec2; 3]) -> bool, most: usize, ban: u32) -> Region {
         self.round += 1;
         let round = self.round;
@@ -122,7 +124,8 @@ impl<'a> Grower<'a> {
                 continue;
             }
             let uv = self.expected(&region, next.face, next.direction);
-            // What does not fit at all where it is expected will not fit once the patch is flat.
+            // A face that does not fit at all where it is expected will not fit once the patch is
+            // flat.
             let shape = self.surface.frames[f].turned(next.direction);
             let [most, least] = flatten::Map::of(&shape, &uv).stretch;
             if most <= HOPELESS && least >= 1.0 / HOPELESS && accept(&uv) {
@@ -138,13 +141,14 @@ impl<'a> Grower<'a> {
         c.map(|p| p - center)
     }
 
-    /// Whether the region with `f` is a disc if it was one before: `f` touches it along one side
-    /// and not with the corner opposite, or along two sides.
+    /// Whether the region remains a disc if `f` is added: `f` touches it along one side and not
+    /// with the opposite corner, or along two sides.
     fn stays_a_disc(&self, f: u32) -> bool {
         let within = |g: u32| self.face_mark[g as usize] == self.round;
         let joined = self.surface.around(f).filter(|(_, g)| within(*g)).map(|(k, _)| k);
         let joined: Vec<usize> = joined.collect();
-        // A side that the region has, but not as a neighbour, is one of more than two faces.
+        // A side that the region contains, but not through a neighbour, belongs to more than two
+        // faces.
         let sides = self.surface.edges[f as usize];
         let held = sides.iter().filter(|e| self.edge_mark[**e as usize] == self.round).count();
         match joined[..] {
@@ -157,8 +161,8 @@ impl<'a> Grower<'a> {
         }
     }
 
-    /// Where the corners of `f` come to lie: where they are already, or beside these by the shape
-    /// of `f`.
+    /// Expected uv of the corners of `f`: known for vertices of the region, otherwise placed next
+    /// to them by the shape of `f`.
     fn expected(&self, region: &Region, f: u32, direction: Complex) -> [DVec2; 3] {
         let shape = self.surface.frames[f as usize].turned(direction);
         let known = self.surface.skin.triangles[f as usize].map(|v| self.place(region, v));
@@ -206,7 +210,7 @@ impl<'a> Grower<'a> {
             }
             let laid_flat = direction * self.surface.transport(f, k, g);
             let direction = if seed.turn.is_some() { laid_flat } else { self.field[g as usize] };
-            // Across a parting of the field no fit can be good.
+            // No fit across a parting of the field can be good.
             if (laid_flat * direction.conj()).re < PARTING {
                 continue;
             }
@@ -217,7 +221,7 @@ impl<'a> Grower<'a> {
     }
 }
 
-/// A face that may join.
+/// A candidate face.
 struct Next {
     distance: f64,
     face: u32,
@@ -225,7 +229,7 @@ struct Next {
 }
 
 impl Ord for Next {
-    /// The nearest is the greatest: a heap gives that first.
+    /// Reversed, so that the heap returns the nearest first.
     fn cmp(&self, other: &Self) -> Ordering {
         other.distance.total_cmp(&self.distance).then(other.face.cmp(&self.face))
     }

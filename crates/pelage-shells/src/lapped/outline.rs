@@ -1,4 +1,4 @@
-//! The uneven outline of a patch: a polygon that is star-shaped around the origin.
+//! The irregular outline of a patch: a polygon that is star-shaped around the origin.
 
 use glam::{DVec2, Vec2};
 use pelage_fur::random::random;
@@ -7,16 +7,16 @@ use std::f64::consts::TAU;
 /// Corners of an outline.
 const CORNERS: usize = 48;
 
-/// A splotch.
+/// An irregular outline around the origin, cm.
 pub(super) struct Outline {
     points: Vec<DVec2>,
-    /// Within this distance of the origin all is inside.
+    /// Everything within this distance of the origin is inside.
     inner: f64,
-    /// Beyond this distance all is outside.
+    /// Everything beyond this distance is outside.
     outer: f64,
 }
 
-/// How a triangle lies to an outline.
+/// Relation of a triangle to an outline.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Relation {
     Inside,
@@ -26,7 +26,8 @@ pub(super) enum Relation {
 
 impl Outline {
     /// An outline whose distance from the origin varies between `radius (1 - irregularity)` and
-    /// `radius (1 + irregularity)` in two to six waves of random height and place.
+    /// `radius (1 + irregularity)`: a sum of cosines with two to six periods and random amplitudes
+    /// and phases.
     pub fn new(radius: f64, irregularity: f64, seed: u32) -> Self {
         let wave = |i: usize| {
             let angle = i as f64 / CORNERS as f64 * TAU;
@@ -52,13 +53,13 @@ impl Outline {
         Self { points, inner, outer }
     }
 
-    /// Whether `p` lies in it.
+    /// Whether `p` is inside.
     pub fn contains(&self, p: DVec2) -> bool {
         let distance = p.length();
         distance <= self.inner || (distance <= self.outer && in_star(&self.points, p))
     }
 
-    /// The relation of a triangle to it, exactly: a triangle is `Inside` only if all of it is.
+    /// Exact relation of a triangle to the outline: `Inside` only if the whole triangle is.
     pub fn relation(&self, triangle: &[DVec2; 3]) -> Relation {
         let farthest = triangle.iter().map(|p| p.length()).fold(0.0, f64::max);
         if farthest <= self.inner {
@@ -86,13 +87,13 @@ impl Outline {
         }
     }
 
-    /// The corners.
+    /// Corners of the polygon.
     pub fn polygon(&self) -> Vec<Vec2> {
         self.points.iter().map(|p| p.as_vec2()).collect()
     }
 }
 
-/// Whether `p` (uv, cm) lies in the outline of a patch; an empty outline holds everything.
+/// Whether `p` (uv, cm) lies within the outline of a patch; an empty outline contains everything.
 pub fn contains(outline: &[Vec2], p: Vec2) -> bool {
     let points: &dyn Fn(usize) -> DVec2 = &|i| outline[i].as_dvec2();
     outline.is_empty() || in_sector(outline.len(), points, p.as_dvec2())
@@ -102,7 +103,7 @@ fn in_star(points: &[DVec2], p: DVec2) -> bool {
     in_sector(points.len(), &|i| points[i], p)
 }
 
-/// Whether `p` is on the inner side of the edge that stands in its direction from the origin.
+/// Whether `p` is on the inner side of the polygon's edge in its direction from the origin.
 fn in_sector(corners: usize, point: &dyn Fn(usize) -> DVec2, p: DVec2) -> bool {
     if p == DVec2::ZERO {
         return true;
@@ -113,7 +114,7 @@ fn in_sector(corners: usize, point: &dyn Fn(usize) -> DVec2, p: DVec2) -> bool {
     (b - a).perp_dot(p - a) >= 0.0
 }
 
-/// Whether the segments p-q and a-b have a point in common.
+/// Whether the segments p–q and a–b cross.
 fn crosses(p: DVec2, q: DVec2, a: DVec2, b: DVec2) -> bool {
     let side = |p: DVec2, q: DVec2, r: DVec2| (q - p).perp_dot(r - p);
     let (a_side, b_side) = (side(p, q, a), side(p, q, b));
@@ -151,7 +152,7 @@ mod tests {
             match outline.relation(&triangle) {
                 Relation::Inside => assert!(outside.is_empty(), "{seed}: {outside:?}"),
                 Relation::Outside => assert!(inside.is_empty(), "{seed}: {inside:?}"),
-                // The common part may be smaller than the grid.
+                // The intersection may be smaller than the grid.
                 Relation::Across => {}
             }
             let all = |r: Relation| outline.relation(&triangle) == r;

@@ -1,5 +1,4 @@
-//! Pictures of patches and of the field, from in front, to the right and above, drawn without a
-//! GPU.
+//! Pictures of patches and of the field, seen from the front, right and above, drawn on the CPU.
 
 use super::{Lapped, contains};
 use glam::{Mat3, Vec2, Vec3};
@@ -9,17 +8,17 @@ use pelage_core::film::tonemap::srgb_decode;
 use pelage_fur::random::random;
 use rayon::prelude::*;
 
-/// Samples along a pixel's side.
+/// Samples per pixel along each axis.
 const SAMPLES: usize = 3;
 
-/// Where the eye is, seen from the skin: far away in this direction.
+/// Direction from the skin to the camera (orthographic).
 const EYE: Vec3 = Vec3::new(0.55, 0.35, 0.85);
 
-/// Nothing is seen in this sample.
+/// Marks a sample without a face.
 const NONE: u32 = u32::MAX;
 
-/// `skin` in the colours of its patches, seams dark, on white; `side` pixels along the longer side.
-/// Linear colours; a PNG wants no tone mapping.
+/// Draws `skin` in the colours of its patches, with dark seams, on white; `side` pixels along the
+/// longer side. Colours are linear and need no tone mapping.
 pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     let view = View::new(skin, side);
     let colors = colors(lapped, skin);
@@ -34,7 +33,7 @@ pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
         if patch == NONE {
             return Vec3::ONE;
         }
-        // A sample on either side of it.
+        // A seam marks the samples on both sides of it.
         let seam = view
             .beside(i)
             .into_iter()
@@ -46,8 +45,8 @@ pub fn patch_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     view.film(&(0..view.face.len()).into_par_iter().map(color).collect::<Vec<_>>())
 }
 
-/// `skin` in grey with strokes along the direction of the hair, thick at the root; as
-/// [`patch_picture`] else.
+/// Draws `skin` in grey with strokes along the direction of the hair, thick at the root; otherwise
+/// as [`patch_picture`].
 pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     const SPACING: usize = 12 * SAMPLES;
     const LENGTH: f32 = (20 * SAMPLES) as f32;
@@ -65,14 +64,14 @@ pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
             let mut behind = None;
             while done < LENGTH {
                 let Some(i) = view.sample(at).filter(|i| view.face[*i] != NONE) else { break };
-                // A stroke does not jump to what lies behind an edge.
+                // A stroke does not jump to a surface behind a silhouette.
                 if behind.is_some_and(|j| !view.touches(skin, i, j)) {
                     break;
                 }
                 behind = Some(i);
                 let seen = view.to_film * lapped.field[view.face[i] as usize];
                 view.dot(&mut pixels, at, 3.2 * (1.0 - done / LENGTH) + 0.4);
-                // Foreshortened with the surface.
+                // Strokes are foreshortened with the surface.
                 at += Vec2::new(seen.x, -seen.y);
                 done += 1.0;
             }
@@ -81,13 +80,13 @@ pub fn field_picture(lapped: &Lapped, skin: &Skin, side: u32) -> Film {
     view.film(&pixels)
 }
 
-/// The skin as seen: what stands in each sample.
+/// The skin in the view: the visible face of each sample.
 struct View {
     width: usize,
     height: usize,
-    /// Rows: right, up, towards the eye.
+    /// Rows: right, up, towards the camera.
     to_film: Mat3,
-    /// Vertices, in samples; z towards the eye.
+    /// Vertices, in samples; z points towards the camera.
     points: Vec<Vec3>,
     face: Vec<u32>,
     depth: Vec<f32>,
@@ -121,7 +120,7 @@ impl View {
         view
     }
 
-    /// Draws a triangle, nearest first; of equal depths the first one drawn stays.
+    /// Draws a triangle with a depth test; of equal depths the first one drawn remains.
     fn draw(&mut self, skin: &Skin, t: usize) {
         let corners = skin.triangles[t].map(|v| self.points[v as usize]);
         let low = corners.iter().fold(Vec3::INFINITY, |low, p| low.min(*p));
@@ -145,29 +144,29 @@ impl View {
         }
     }
 
-    /// Barycentric coordinates of a sample that shows a face.
+    /// Barycentric coordinates of a sample in its visible face.
     fn barycentric(&self, skin: &Skin, i: usize) -> Vec3 {
         let corners = skin.triangles[self.face[i] as usize].map(|v| self.points[v as usize]);
         let at = Vec2::new((i % self.width) as f32 + 0.5, (i / self.width) as f32 + 0.5);
         weights(&corners, at).unwrap_or(Vec3::splat(1.0 / 3.0))
     }
 
-    /// Light on a sample that shows a face; the inside of open skins is darker.
+    /// Shading of a sample with a face; the inside of open skins is darker.
     fn shade(&self, skin: &Skin, i: usize) -> Vec3 {
         let f = self.face[i] as usize;
         let b = self.barycentric(skin, i);
         let [p, q, r] = skin.triangles[f].map(|v| skin.normals.get(v as usize).copied().unwrap_or_default());
         let n = self.to_film * (p * b.x + q * b.y + r * b.z).normalize_or_zero();
         let [a, c, d] = skin.triangles[f].map(|v| self.points[v as usize]);
-        // Rows go down: a face that is seen from outside is clockwise in samples.
+        // Rows go down: a face seen from outside is clockwise in samples.
         let outside = (c - a).truncate().perp_dot((d - a).truncate()) < 0.0;
         let (n, dim) = if outside { (n, 1.0) } else { (-n, 0.45) };
         let light = n.dot(Vec3::new(-0.45, 0.6, 0.66).normalize());
         Vec3::splat(dim * (0.28 + 0.72 * (0.5 + 0.5 * light).powi(2)))
     }
 
-    /// Whether two samples next to each other show a connected surface: no more apart in depth than
-    /// the slope explains.
+    /// Whether two adjacent samples show a connected surface: their depths differ no more than the
+    /// slope explains.
     fn touches(&self, skin: &Skin, i: usize, j: usize) -> bool {
         let slope = |i: usize| {
             let [a, b, c] = skin.triangles[self.face[i] as usize].map(|v| self.points[v as usize]);
@@ -177,7 +176,7 @@ impl View {
         (self.depth[i] - self.depth[j]).abs() < 3.0 + 3.0 * slope(i).max(slope(j)).min(20.0)
     }
 
-    /// The samples to the left, to the right, above and below.
+    /// The adjacent samples: left, right, above and below.
     fn beside(&self, i: usize) -> [Option<usize>; 4] {
         let column = i % self.width;
         [
@@ -193,7 +192,7 @@ impl View {
         inside.then(|| at.y as usize * self.width + at.x as usize)
     }
 
-    /// A dark disc.
+    /// Draws a dark disc.
     fn dot(&self, pixels: &mut [Vec3], at: Vec2, radius: f32) {
         let reach = radius.ceil() as i32;
         for (dy, dx) in (-reach..=reach).flat_map(|dy| (-reach..=reach).map(move |dx| (dy, dx))) {
@@ -204,7 +203,7 @@ impl View {
         }
     }
 
-    /// The film of samples: the mean over each pixel.
+    /// Averages samples over each pixel.
     fn film(&self, samples: &[Vec3]) -> Film {
         let (width, height) = (self.width / SAMPLES, self.height / SAMPLES);
         let pixel = |i: usize| {
@@ -221,7 +220,7 @@ impl View {
     }
 }
 
-/// Barycentric coordinates of `p` in the film; `None` for a triangle without area there.
+/// Barycentric coordinates of `p` on the film; `None` if the triangle's projection has no area.
 fn weights(corners: &[Vec3; 3], p: Vec2) -> Option<Vec3> {
     let [a, b, c] = corners.map(|p| p.truncate().as_dvec2());
     let p = p.as_dvec2();
@@ -230,8 +229,8 @@ fn weights(corners: &[Vec3; 3], p: Vec2) -> Option<Vec3> {
     (area != 0.0).then(|| Vec3::new(s as f32, t as f32, (1.0 - s - t) as f32))
 }
 
-/// The patches of each face, from the first pasted, with the uv of its corners; where patches do
-/// not overlap, the topmost.
+/// The patches of each face with the uv of its corners, in the order of pasting; only the topmost
+/// if patches do not overlap.
 fn layers<'a>(lapped: &'a Lapped, skin: &Skin) -> Vec<Vec<(u32, &'a [Vec2; 3])>> {
     let mut layers = vec![Vec::new(); skin.triangles.len()];
     for (p, patch) in (0_u32..).zip(&lapped.patches) {
@@ -244,7 +243,7 @@ fn layers<'a>(lapped: &'a Lapped, skin: &Skin) -> Vec<Vec<(u32, &'a [Vec2; 3])>>
     layers
 }
 
-/// The last patch whose outline holds a place.
+/// The last patch whose outline contains the point with barycentric coordinates `b`.
 fn shown(lapped: &Lapped, layers: &[(u32, &[Vec2; 3])], b: Vec3) -> u32 {
     let holds = |(p, uv): &&(u32, &[Vec2; 3])| {
         contains(&lapped.patches[*p as usize].outline, uv[0] * b.x + uv[1] * b.y + uv[2] * b.z)
@@ -252,7 +251,8 @@ fn shown(lapped: &Lapped, layers: &[(u32, &[Vec2; 3])], b: Vec3) -> u32 {
     layers.iter().rev().find(holds).or(layers.last()).map_or(NONE, |(p, _)| *p)
 }
 
-/// A colour for each patch, linear: of some random ones the least like those of its neighbours.
+/// A linear colour for each patch: of some random ones, the one that differs most from those of its
+/// neighbours.
 fn colors(lapped: &Lapped, skin: &Skin) -> Vec<Vec3> {
     let neighbours = pelage_core::mesh::topology::neighbours(&skin.triangles).neighbours;
     let mut pairs = Vec::new();
@@ -287,7 +287,8 @@ fn colors(lapped: &Lapped, skin: &Skin) -> Vec<Vec3> {
     colors.into_iter().map(|c| c.map(srgb_decode)).collect()
 }
 
-/// Hue (0..1), saturation and value to sRGB.
+/// Converts hue (0..1), saturation and value to sRGB.
+// [Smith1978]
 fn hue(h: f32, s: f32, v: f32) -> Vec3 {
     let channel = |k: f32| {
         let x = (k + 6.0 * h).rem_euclid(6.0);

@@ -1,17 +1,17 @@
-//! How well patches lie.
+//! Statistics of the quality of patches.
 
 use super::{Lapped, flatten::Map, surface::Surface};
 use pelage_core::{Result, Skin};
 use serde::Serialize;
 
-/// How well patches lie. Means are weighted by area, over the faces that are shown: those of the
-/// topmost patches, and all of all patches where they overlap. Needles, faces too thin for their
-/// shape to be told in single precision, are left out.
+/// Quality of patches. Means are weighted by area, over the visible faces: those of the topmost
+/// patches, or all faces of all patches if they overlap. Needles, faces too thin for single
+/// precision to resolve their shape, are left out.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Statistics {
     /// Faces of the skin.
     pub faces: u64,
-    /// Needles among them.
+    /// Number of needles among them.
     pub needles: u64,
     /// Patches.
     pub patches: u64,
@@ -19,33 +19,33 @@ pub struct Statistics {
     pub single_face_patches: u64,
     /// Radius of the outlines, cm.
     pub radius: f64,
-    /// Part of the area that patches cover, 0..1.
+    /// Fraction of the area that patches cover, 0..1.
     pub coverage: f64,
-    /// Area of all patches over the area of the skin: how many patches lie on a place.
+    /// Area of all patches over the area of the skin: the mean number of patches on a point.
     pub layers: f64,
-    /// Mean of the stretch of a face: its largest singular value or the inverse of its smallest,
-    /// whichever is larger. 1 is an isometry.
+    /// Mean stretch of a face: its largest singular value or the inverse of its smallest, whichever
+    /// is larger. 1 is an isometry.
     pub mean_stretch: f64,
-    /// The worst stretch.
+    /// Largest stretch.
     pub worst_stretch: f64,
-    /// Mean angle between u and the field, degrees; none where patches do not follow it.
+    /// Mean angle between u and the field, degrees; `None` if patches do not follow it.
     pub mean_angle_error: Option<f64>,
-    /// The worst angle, degrees.
+    /// Largest angle, degrees; `None` if patches do not follow the field.
     pub worst_angle_error: Option<f64>,
-    /// Length of the edges between faces that show different patches, cm.
+    /// Total length of the edges between faces that show different patches, cm.
     pub seam_length: f64,
-    /// Faces of all patches, needles included, whose uv have no positive area though the face has
-    /// sides.
+    /// Number of faces in all patches, needles included, whose uv area is not positive although the
+    /// face has sides.
     pub flipped: u64,
-    /// Time that the making took, ms.
+    /// Time taken by [`super::lap`], ms.
     pub time_ms: f64,
 }
 
 impl Lapped {
-    /// Measures the patches on `skin`, the one they were made for.
+    /// Measures the patches on `skin`, for which they were made.
     ///
     /// # Errors
-    /// [`pelage_core::Error::Scene`] for a skin with positions that are not finite.
+    /// [`pelage_core::Error::Scene`] if a position of the skin is not finite.
     pub fn statistics(&self, skin: &Skin) -> Result<Statistics> {
         let surface = Surface::new(skin)?;
         let overlapping = self.patches.iter().any(|p| !p.outline.is_empty());
@@ -66,7 +66,7 @@ impl Lapped {
                 let frame = &surface.frames[*f as usize];
                 let uv = uv.map(|p| p.as_dvec2());
                 let [a, b, c] = uv;
-                // A face of no extent at all has no orientation.
+                // A face collapsed to a point has no orientation.
                 if (b - a).perp_dot(c - a) <= 0.0 && !(a == b && b == c) {
                     s.flipped += 1;
                 }

@@ -1,5 +1,5 @@
-//! The skin as patches and fields see it: a frame of its own on each face, and how directions go
-//! from face to face.
+//! The skin, as patches and fields use it: a local frame on each face, and the transport of
+//! directions between faces.
 
 use super::solve::Complex;
 use glam::{DVec2, DVec3, Vec3};
@@ -8,22 +8,22 @@ use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin};
 use pelage_fur::random::{hash2, unit_float};
 
-/// Height over longest side below which a face is a needle: too thin for single precision to tell
-/// its shape.
+/// Ratio of height to longest side below which a face is a needle: too thin for single precision to
+/// resolve its shape.
 pub(super) const NEEDLE: f64 = 1e-5;
 
-/// A face's own coordinates.
+/// The local frame of a face.
 pub(super) struct Frame {
     /// Unit vector along the longest side.
     pub x: DVec3,
     /// normal × x.
     pub y: DVec3,
-    /// Corners in the plane of the face, corner 0 at the origin, cm. A needle is widened to
+    /// Corners in the plane of the face, with corner 0 at the origin, cm. A needle is widened to
     /// [`NEEDLE`].
     pub corners: [DVec2; 3],
     /// True area, cm².
     pub area: f64,
-    /// The face is a needle.
+    /// Whether the face is a needle.
     pub needle: bool,
 }
 
@@ -48,49 +48,46 @@ impl Frame {
         Self { x, y, corners: flat, area: 0.5 * doubled.length(), needle }
     }
 
-    /// A direction in world space.
+    /// Converts a direction to world space.
     pub fn world(&self, z: Complex) -> Vec3 {
         (self.x * z.re + self.y * z.im).normalize_or(self.x).as_vec3()
     }
 
-    /// The part of a world direction that lies in the face.
+    /// The tangential part of a world direction.
     pub fn tangential(&self, d: DVec3) -> Complex {
         Complex::new(d.dot(self.x), d.dot(self.y))
     }
 
-    /// Corners with `s` (unit) turned to the first axis.
+    /// Corners, rotated so that `s` (unit) is the first axis.
     pub fn turned(&self, s: Complex) -> [DVec2; 3] {
         self.corners.map(|p| DVec2::new(p.x * s.re + p.y * s.im, p.y * s.re - p.x * s.im))
     }
 }
 
-/// A skin, prepared.
+/// A skin with frames and adjacency.
 pub(super) struct Surface<'a> {
     pub skin: &'a Skin,
     pub frames: Vec<Frame>,
-    /// The face beyond the side opposite each corner, or [`NONE`].
+    /// The face across the side opposite each corner, or [`NONE`].
     pub neighbours: Vec<[u32; 3]>,
-    /// Number of the undirected edge opposite each corner.
+    /// Index of the undirected edge opposite each corner.
     pub edges: Vec<[u32; 3]>,
     /// Number of edges.
     pub edge_count: usize,
-    /// The connected part that a face belongs to.
+    /// Index of the connected part to which each face belongs.
     pub part: Vec<u32>,
-    /// Faces and area of each part.
+    /// Number of faces and area (cm²) of each part.
     pub parts: Vec<(usize, f64)>,
-    /// cm².
+    /// Total area, cm².
     pub area: f64,
 }
 
 impl<'a> Surface<'a> {
     /// # Errors
-    /// [`Error::Scene`] for positions that are not finite.
+    /// [`Error::Scene`] if a position is not finite.
     pub fn new(skin: &'a Skin) -> Result<Self> {
         if let Some(p) = skin.positions.iter().find(|p| !p.is_finite()) {
-            return Err(Error::fault(
-                "lapped",
-                format!("the skin has a vertex at {p}, expected finite numbers"),
-            ));
+            return Err(Error::fault("lapped", format!("found a vertex at {p}, expected finite numbers")));
         }
         let normal = |v: u32| skin.normals.get(v as usize).map_or(DVec3::ZERO, |n| n.as_dvec3());
         let frame = |t: usize| {
@@ -110,25 +107,25 @@ impl<'a> Surface<'a> {
         Ok(Self { skin, frames, neighbours, edges, edge_count, part, parts: sizes, area })
     }
 
-    /// The faces beyond the sides of `f`, with the side.
+    /// The faces across the sides of `f`, as (side, face).
     pub fn around(&self, f: u32) -> impl Iterator<Item = (usize, u32)> + '_ {
         (0..3).map(move |k| (k, self.neighbours[f as usize][k])).filter(|(_, n)| *n != NONE)
     }
 
-    /// The side of `g` that is the side `k` of `f`.
+    /// The side of `g` that coincides with side `k` of `f`.
     pub fn side_of(&self, g: u32, f: u32, k: usize) -> usize {
         let edge = self.edges[f as usize][k];
         (0..3).find(|j| self.edges[g as usize][*j] == edge).unwrap_or(0)
     }
 
-    /// The side `k` of `f` in its frame, from corner k+1 to k+2.
+    /// The side `k` of `f` in the frame of `f`, from corner k+1 to k+2, cm.
     pub fn side(&self, f: u32, k: usize) -> DVec2 {
         let c = &self.frames[f as usize].corners;
         c[(k + 2) % 3] - c[(k + 1) % 3]
     }
 
-    /// What a direction of `f` is multiplied by to go over the side `k` into the frame of `g`, the
-    /// two laid flat.
+    /// Factor that transports a direction of `f` over the side `k` into the frame of `g`, with the
+    /// two faces unfolded into a plane.
     pub fn transport(&self, f: u32, k: usize, g: u32) -> Complex {
         let here = self.side(f, k);
         let there = -self.side(g, self.side_of(g, f, k));
@@ -136,8 +133,9 @@ impl<'a> Surface<'a> {
         unit(r).unwrap_or(Complex::new(1.0, 0.0))
     }
 
-    /// The faces in a random order in which large ones tend to stand first: the next face that is
-    /// uncovered is about that of a random uncovered point.
+    /// The faces in a random order, weighted by area: the first uncovered face in it is distributed
+    /// about like the face of a random uncovered point.
+    // [Efraimidis2006]
     pub fn random_order(&self, seed: u32) -> Vec<u32> {
         let key = |f: u32| {
             let u = (f64::from(unit_float(hash2(seed, f))) + 1e-9).min(1.0);
@@ -157,7 +155,7 @@ pub(super) fn unit(z: Complex) -> Option<Complex> {
     (length > 0.0 && unit.re.is_finite() && unit.im.is_finite()).then_some(unit)
 }
 
-/// A number for each undirected edge.
+/// Indices of the undirected edges opposite each corner, and their number.
 fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 3]>, usize) {
     let mut sides = Vec::with_capacity(3 * triangles.len());
     for (t, v) in triangles.iter().enumerate() {
@@ -176,7 +174,7 @@ fn edge_numbers(triangles: &[[u32; 3]]) -> (Vec<[u32; 3]>, usize) {
     (numbers, count as usize)
 }
 
-/// Numbers of connected parts, by the first face of each.
+/// Index of the connected part of each face, numbered by first face.
 fn parts(neighbours: &[[u32; 3]]) -> Vec<u32> {
     let mut part = vec![NONE; neighbours.len()];
     let mut count = 0;

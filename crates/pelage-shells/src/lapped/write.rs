@@ -1,4 +1,4 @@
-//! Patches as OBJ.
+//! Writes patches as OBJ.
 
 use super::Lapped;
 use pelage_core::files::write_buffered;
@@ -9,9 +9,9 @@ use std::{
     path::Path,
 };
 
-/// Writes `skin` with the uv of its patches as OBJ, a group a patch; positions and uv in cm. A face
-/// stands in the group of the patch that it shows; where patches overlap, in each group that holds
-/// it, in the order of pasting. The file appears whole or not at all.
+/// Writes `skin` with the uv of its patches as OBJ, one group per patch; positions and uv in cm. A
+/// face is in the group of the patch that it shows; with overlapping patches it is in the groups of
+/// all patches that contain it, in the order of pasting. The file appears complete or not at all.
 ///
 /// # Errors
 /// [`pelage_core::Error::Io`].

@@ -1,5 +1,4 @@
-//! The skin's vertices as a client draws them: one for each place in the textures, with the hair
-//! that grows there.
+//! The skin's vertices, as a client draws them: one for each place in the textures, with its hair.
 
 use super::Manifest;
 use crate::lapped::Lapped;
@@ -17,41 +16,40 @@ use pelage_fur::strand_curve::{control_polygon, leg_directions};
 use pelage_fur::surface;
 use std::collections::HashMap;
 
-/// A skin whose vertices are split where its textures are cut. Arrays are of one length, an element
-/// a vertex.
+/// A skin whose vertices are split along the seams of its textures. Arrays other than `triangles`
+/// have one element per vertex.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Clothed {
-    /// cm, world space.
+    /// Positions, world space, cm.
     pub positions: Vec<Vec3>,
-    /// Unit.
+    /// Normals, unit.
     pub normals: Vec<Vec3>,
-    /// Directions in which upright hair stands, unit: the normals without what is finer than the
-    /// fur is high.
+    /// Directions of upright hair, unit: the normals, smoothed over the scale of the fur's height.
     pub upright: Vec<Vec3>,
-    /// The skin's own uv, v upwards; `None` where it has none.
+    /// The skin's own uv, v upwards; `None` without uv.
     pub skin_uv: Option<Vec<Vec2>>,
-    /// Place in the fur's textures, one unit a repeat.
+    /// Place in the fur's textures, one unit per repeat.
     pub fur_uv: Vec<Vec2>,
     /// Colour of the bare skin, linear.
     pub skin_colors: Vec<Vec3>,
     /// Factor on the textures' colour.
     pub fur_colors: Vec<Vec3>,
-    /// The longest hair: control points of a cubic Bézier curve from the skin (where its first one
-    /// lies) to the tip, relative to the skin, cm. A shell at height s (0..1) passes through the
-    /// curve's point at s, which is at s of the tip's height.
+    /// The longest hair: the second to fourth control points of a cubic Bézier curve from the skin
+    /// to the tip, relative to the first one on the skin, cm. A shell at height s (0..1) passes
+    /// through the curve's point at parameter s, whose height is s times that of the tip.
     pub hairs: Vec<[Vec3; 3]>,
-    /// The vertex of the skin that each vertex was split from.
+    /// The skin vertex from which each vertex was split.
     pub origin: Vec<u32>,
-    /// Faces, in the skin's order.
+    /// Faces, in the order of the skin's.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// An edge on which a fin can stand.
+/// An edge that may carry a fin.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FinEdge {
-    /// Its vertices, in the direction of the face whose edge it is.
+    /// Its vertices, in the direction in which it runs in its face.
     pub ends: [u32; 2],
-    /// The third vertex of that face, and of the neighbour: [`NONE`] at a boundary.
+    /// The third vertex of that face, and of the neighbour: [`NONE`] at a border.
     pub opposite: [u32; 2],
     /// u of the fin texture at both ends.
     pub u: [f32; 2],
@@ -61,7 +59,7 @@ pub struct FinEdge {
 /// colours there.
 ///
 /// # Errors
-/// [`Error::Unsupported`]: see [`super::write`].
+/// [`Error::Unsupported`] as [`super::write`].
 pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clothed> {
     let skin = &world.skin;
     let by_uv = world.scene.shells.mapping == Mapping::Uv;
@@ -69,7 +67,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     let corners = if by_uv { own.as_ref() } else { Some(&lapped.corner_uv) };
     let corners = corners.ok_or_else(|| {
         Error::Unsupported(
-            "shells.mapping is \"uv\", and the mesh has no uv: use \"lapped\", or a mesh with uv".into(),
+            "shells.mapping is \"uv\", but the mesh has no uv: use \"lapped\", or add uv to the mesh".into(),
         )
     })?;
     if corners.len() != skin.triangles.len() || skin.triangles.is_empty() {
@@ -98,7 +96,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     let height = spacing * manifest.layers as f32;
     let curved = manifest.source == BakeSource::Hybrid;
     let bend = Pose::at(world, 0.0, height).by_height(height);
-    // Those along which `pelage render --fur shells` raises the shells.
+    // The same directions along which `pelage render` extrudes the shells.
     let packed = groom::pack(world)?;
     let maps = Maps { groom: &packed.groom, texels: &packed.texels };
     let upright = surface::shell_normals(skin, packed.undercoat.height);
@@ -142,11 +140,11 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
     Ok(clothed)
 }
 
-/// The hair at a point, by the height of the fur: upright, sheared by the comb and the brushes, its
-/// tip moved by `bend`, that of the scene's steady forces. Where the textures are baked from the
-/// groom (`groom`), it is the groom's strand without its random parts, scaled so that its tip is as
-/// high as the fur. Heights grow evenly along it: each layer of the textures stands for its own.
-// As shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
+/// The hair at a point, in units of the fur's height: upright, sheared by comb and brushes, its tip
+/// displaced by `bend`. For textures baked from the groom (`groom`) it is the groom's strand
+/// without its random parts, scaled so that its tip is as high as the fur. Height is proportional
+/// to the curve's parameter, so that each texture layer lies at its own height.
+// As in shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
 fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: Vec3) -> [Vec3; 3] {
     let shells = &world.scene.shells;
     let strokes = shells.brushes.iter().map(|b| {
@@ -166,7 +164,7 @@ fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: 
         }
         None => [lean / 3.0, lean * (2.0 / 3.0), lean],
     };
-    // The curve whose control points are at even heights is at even heights itself.
+    // Control points at evenly spaced heights make height proportional to the parameter.
     let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
     // A bent hair keeps its length.
     let bent = p3 + bend;
@@ -174,8 +172,8 @@ fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: 
     [p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)]
 }
 
-/// All edges, once each (an edge of more than two faces once a face), in the order of faces. The
-/// place in the texture is random for each edge; its length there is the edge's.
+/// All edges once each (an edge of more than two faces once per face), in the order of faces. Each
+/// edge has a random place in the texture and its own length there.
 // [Lengyel2001] sec. 4.2
 pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEdge> {
     let topology = topology::neighbours(&world.skin.triangles);
@@ -187,7 +185,7 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
             }
             let ends = [face[(k + 1) % 3], face[(k + 2) % 3]];
             let [a, b] = ends.map(|i| clothed.origin[i as usize]);
-            // The corner of the neighbour that is not on the edge.
+            // The neighbour's corner that is not on the edge.
             let beyond = clothed
                 .triangles
                 .get(*other as usize)
@@ -204,8 +202,8 @@ pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEd
     edges
 }
 
-/// Part of its height, 0..1, that the shell keeps over each vertex when it is raised along
-/// `upright`.
+/// Fraction of its wanted height, 0..1, that the shell keeps over each vertex when it is extruded
+/// along `upright`.
 fn kept(skin: &Skin, maps: &Maps<'_>, upright: &[Vec3]) -> Vec<f32> {
     let wanted = wanted_heights(skin, upright, maps, &surface::vertex_uv(skin));
     let heights = lowered(skin, upright, &wanted);
