@@ -15,7 +15,7 @@ pub struct Shell {
     pub vertices: Vec<ShellVertex>,
     /// Prisms, one for each triangle of the skin, in the same order.
     pub prisms: Vec<Prism>,
-    /// uv of the three corners of each triangle, [3 · triangle + corner].
+    /// uv of the three corners of each triangle, `[3 · triangle + corner]`.
     pub corner_uv: Vec<[f32; 2]>,
     /// Top of the optical-depth lattice in shell heights; 1 if there is no lattice.
     pub light_reach: f32,

@@ -4,7 +4,7 @@ use crate::layout::ShellVertex;
 use glam::Vec3;
 use pelage_core::{Skin, World};
 
-/// uv of the corners of all triangles, [3 · triangle + corner]; zero if the skin has no uv.
+/// uv of the corners of all triangles, `[3 · triangle + corner]`; zero if the skin has no uv.
 pub fn corner_uv(skin: &Skin) -> Vec<[f32; 2]> {
     match &skin.corner_uv {
         Some(uv) => uv.iter().flatten().map(|uv| uv.to_array()).collect(),

@@ -136,7 +136,7 @@ pub fn bake(world: &World) -> Result<FurTextures> {
     Ok(FurTextures { layers: voxels.layers, guard: voxels.guard, fin: fins.0, fin_guard: fins.1, manifest })
 }
 
-/// The hairs that `source = "particles"` grows in its box, and the box's [edge, height] in cm.
+/// The hairs that `source = "particles"` grows in its box, and the box's `[edge, height]` in cm.
 pub fn particle_hairs(world: &World) -> (Vec<Hair>, [f32; 2]) {
     let spec = &world.scene.bake;
     let skin = diameter(&world.skin);

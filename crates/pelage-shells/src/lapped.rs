@@ -73,8 +73,7 @@ pub struct Patch {
     pub outline: Vec<Vec2>,
 }
 
-/// Largest area of the skin relative to the squared radius of overlapping patches, which bounds
-/// their number to about this.
+/// Largest area of the skin relative to the squared radius of overlapping patches; it limits their number.
 const MOST_PATCH_AREAS: f64 = 250_000.0;
 
 /// Covers `skin` with patches as `scene.lapped` describes; `scene.render.seed` is the random seed.

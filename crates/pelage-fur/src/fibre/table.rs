@@ -18,7 +18,7 @@ pub struct FarTable {
     /// with a medulla have one more: the longitudinal density of scattered light, with the sine of
     /// θ_i (−1 to 1) in place of the azimuth.
     pub layers: usize,
-    /// Values of the four lobes, [layer][inclination][azimuth].
+    /// Values of the four lobes, `[layer][inclination][azimuth]`.
     pub values: Vec<[f32; 4]>,
 }
 

@@ -9,7 +9,7 @@ use rayon::prelude::*;
 
 /// A hair, seen as a dot in each layer.
 struct Dot {
-    /// Lowest [column, row] of its square.
+    /// Lowest `[column, row]` of its square.
     at: [u32; 2],
     /// Linear RGB at the tip of the fur.
     color: [f32; 3],

@@ -9,9 +9,9 @@ pub(super) struct Stamp {
     steps: Vec<(Vec2, f32)>,
     kernel: [Vec<f32>; 2],
     touched: Vec<f32>,
-    /// Lowest [column, row].
+    /// Lowest `[column, row]`.
     pub origin: [i32; 2],
-    /// Number of [columns, rows].
+    /// Number of `[columns, rows]`.
     pub size: [usize; 2],
     /// Optical depths, row by row.
     pub depth: Vec<f32>,

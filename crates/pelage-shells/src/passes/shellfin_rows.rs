@@ -20,7 +20,7 @@ impl ShellfinRows {
         })
     }
 
-    /// Writes `row_positions` and `row_lights`, [row][vertex of the skin].
+    /// Writes `row_positions` and `row_lights`, `[row][vertex of the skin]`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.

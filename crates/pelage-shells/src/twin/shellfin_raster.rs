@@ -36,7 +36,7 @@ pub struct Picture<'a> {
     pub edges: &'a [FinEdge],
     /// The rows.
     pub rows: &'a [ShellRow],
-    /// Vertices of the rows, [row][vertex of the skin].
+    /// Vertices of the rows, `[row][vertex of the skin]`.
     pub row_vertices: &'a [RowVertex],
     /// Layers of all levels of detail.
     pub layers: &'a [Texture],
