@@ -73,7 +73,8 @@ pub struct Patch {
     pub outline: Vec<Vec2>,
 }
 
-/// Largest area of the skin relative to the squared radius of overlapping patches; it limits their number.
+/// Largest area of the skin relative to the squared radius of overlapping patches; it limits their
+/// number.
 const MOST_PATCH_AREAS: f64 = 250_000.0;
 
 /// Covers `skin` with patches as `scene.lapped` describes; `scene.render.seed` is the random seed.

@@ -51,11 +51,12 @@
 //! outside, so d = 0 at the top. The equations above, whose inverses are kept, then give u and d at
 //! each boundary in turn. No order of scattering is cut off.
 //!
-//! **Convergence.** G K and P R↓ have no negative entries. For such a matrix A the Neumann series 1
-//! + A + A² + ... converges if and only if 1 - A is a nonsingular M-matrix, that is, if its inverse
-//! exists and has no negative entry. If a model scatters more light than it receives, light in a
-//! deep coat may grow without bound. The linear system then still has a solution, but not one that
-//! is the sum of a series: the inverse has negative entries. This is how such coats are recognised.
+//! **Convergence.** G K and P R↓ have no negative entries. For such a matrix A the Neumann series
+//! `1 + A + A² + ...` converges if and only if 1 - A is a nonsingular M-matrix, that is, if its
+//! inverse exists and has no negative entry. If a model scatters more light than it receives, light
+//! in a deep coat may grow without bound. The linear system then still has a solution, but not one
+//! that is the sum of a series: the inverse has negative entries. This is how such coats are
+//! recognised.
 // [GrantHunt1969] adding and back substitution; [BermanPlemmons1994] ch. 6, nonsingular M-matrices
 
 use crate::bins::{BINS, HALF, centre, interpolate, neighbours, widths};

@@ -60,7 +60,8 @@ impl Fibre {
         self.table().1.iter().map(|[r, tt, trt, rest]| [half(*r, *tt), half(*trt, *rest)]).collect()
     }
 
-    /// Size of the table (`[azimuths, inclinations, layers]`) and its values, `[layer][inclination][azimuth]`.
+    /// Size of the table (`[azimuths, inclinations, layers]`) and its values,
+    /// `[layer][inclination][azimuth]`.
     fn table(&self) -> ([u32; 3], Vec<[f32; 4]>) {
         if let Self::Sadeghi(super::Sadeghi { albedo: Some(rows), .. }) = self {
             let values = rows.iter().map(|[r, tt, trt]| [*r, *tt, *trt, 0.0]).collect();

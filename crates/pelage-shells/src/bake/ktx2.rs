@@ -53,7 +53,8 @@ impl Encoding {
         w * h * u64::from(self.block_bytes())
     }
 
-    /// Colour model, and for each sample `[bit offset, bits, channel with qualifiers, largest value]`.
+    /// Colour model, and for each sample
+    /// `[bit offset, bits, channel with qualifiers, largest value]`.
     fn samples(self) -> (u8, Vec<[u32; 4]>) {
         // Coverage is linear although colours are not.
         const ALPHA_LINEAR: u32 = 15 | 0x10;

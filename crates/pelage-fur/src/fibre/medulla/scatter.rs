@@ -33,7 +33,8 @@ pub struct Medium {
 // [Yan2017]: C_N, C_M and D
 #[derive(Debug, Clone, PartialEq)]
 pub struct ScatterTable {
-    /// Density over the azimuth relative to the direction of entry, `[inclination][offset][azimuth]`.
+    /// Density over the azimuth relative to the direction of entry,
+    /// `[inclination][offset][azimuth]`.
     around: Vec<f32>,
     /// Density over the sine of θ_i, `[inclination][sine]`.
     along: Vec<f32>,
