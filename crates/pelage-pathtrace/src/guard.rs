@@ -2,12 +2,12 @@
 
 use super::patch::Patch;
 use super::strands::{Hair, Strands};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::guard_strands::strand;
+use pelage_fur::guard_strands::{end_colors, strand};
 use pelage_fur::hair_roots::Roots;
-use pelage_fur::parameters::{Maps, Parameter, skin_point};
+use pelage_fur::parameters::{Maps, root_point};
 use pelage_fur::random::random;
 use pelage_fur::shell::Shell;
 use pelage_fur::strands::{position, radius};
@@ -37,13 +37,10 @@ pub(super) fn grow(
             if patch.is_some_and(|p| !p.holds(strand.root)) {
                 continue;
             }
-            let [l1, l2] = root.lambda;
-            let at = skin_point(shell, prism, Vec3::new(1.0 - l1 - l2, l1, l2));
-            // The variation of colour from strand to strand, as in guard_shade.
-            let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
+            let [color_root, color_tip] = end_colors(&maps, &root_point(shell, &root), root.seed);
             hairs.push(Hair {
-                color_root: maps.color(Parameter::GuardColorRoot, &at) * tone,
-                color_tip: maps.color(Parameter::GuardColorTip, &at) * tone,
+                color_root,
+                color_tip,
                 glint_angle: pelage_fur::fibre::glint_angle(random(root.seed, 7)),
                 present,
             });

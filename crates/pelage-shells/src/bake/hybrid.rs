@@ -26,7 +26,7 @@ impl<'a> HybridFur<'a> {
     /// The fur of `world` on a torus of `patch` cm, as far as `render.fur` draws it.
     pub fn new(world: &'a World, patch: f32) -> Result<Self> {
         let scene = &world.scene;
-        let means = SkinSamples::new(world)?;
+        let means = SkinSamples::new(world);
         let seed = scene.render.seed;
         let texels = scene.bake.resolution.iter().fold(1u32, |n, r| n.saturating_mul(*r));
         let most = texels.saturating_mul(HAIRS_A_TEXEL).clamp(65_536, 1_000_000);
