@@ -83,22 +83,33 @@ pub fn end_colors(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> [Vec3; 2] {
 
 /// The strand that grows from a root.
 pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
-    let groom = maps.groom;
-    let seed = root.seed;
     let at = root_point(shell, root);
+    strand_at(maps, &at, sides(at.normal), root.seed, |p| to_clump(maps.groom, p))
+}
+
+/// The strand with this seed that grows at a point of the skin. `sides` are those of its normal,
+/// from the first of which azimuths are measured; `to_clump` gives the vector from a point to the
+/// nearest clump centre, cm.
+pub fn strand_at(
+    maps: &Maps<'_>,
+    at: &SkinPoint,
+    sides: [Vec3; 2],
+    seed: u32,
+    to_clump: impl Fn(Vec3) -> Vec3,
+) -> Strand {
+    let groom = maps.groom;
     let n = at.normal;
-    let sides = sides(n);
-    let length = maps.scalar(Parameter::GuardLength, &at) * (1.0 - groom.length_variation * random(seed, 0));
+    let length = maps.scalar(Parameter::GuardLength, at) * (1.0 - groom.length_variation * random(seed, 0));
     let comb_direction = Vec3::from(groom.comb_direction);
     let combed = comb_direction - n * n.dot(comb_direction);
     let spread = groom.spread * rayleigh(random(seed, 1));
     let random_side = side_at(sides, TAU * random(seed, 2));
-    let lean = combed * maps.scalar(Parameter::GuardComb, &at) + spread * random_side;
+    let lean = combed * maps.scalar(Parameter::GuardComb, at) + spread * random_side;
     let legs = leg_directions(n, lean, groom.gravity).map(|leg| leg * (length / 3.0));
     let control = control_polygon(n, legs);
-    let clump = maps.scalar(Parameter::GuardClump, &at);
+    let clump = maps.scalar(Parameter::GuardClump, at);
     let pull = if clump > 0.0 {
-        let offset = to_clump(groom, at.position);
+        let offset = to_clump(at.position);
         clump * (offset - n * n.dot(offset))
     } else {
         Vec3::ZERO
@@ -110,9 +121,9 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
         control,
         pull,
         sides,
-        curl: maps.scalar(Parameter::GuardCurl, &at),
-        frizz: maps.scalar(Parameter::GuardFrizz, &at),
-        thickness: maps.scalar(Parameter::GuardThickness, &at),
+        curl: maps.scalar(Parameter::GuardCurl, at),
+        frizz: maps.scalar(Parameter::GuardFrizz, at),
+        thickness: maps.scalar(Parameter::GuardThickness, at),
         seed,
     }
 }
@@ -131,13 +142,17 @@ impl Strand {
             + self.frizz * s * frizz
     }
 
+    /// Diameter at `s` (0 root, 1 tip), cm, thickness included.
+    pub fn diameter(&self, groom: &Groom, s: f32) -> f32 {
+        self.thickness * diameter(groom, s)
+    }
+
     /// The tessellated strand, `groom.segments + 1` packed vertices (see [`vertex`]).
     pub fn vertices(&self, groom: &Groom) -> Vec<[f32; 4]> {
         (0..=groom.segments)
             .map(|k| {
                 let s = k as f32 / groom.segments as f32;
-                let radius = 0.5 * self.thickness * diameter(groom, s);
-                vertex(self.point(groom, s), radius, opacity(groom, s))
+                vertex(self.point(groom, s), 0.5 * self.diameter(groom, s), opacity(groom, s))
             })
             .collect()
     }

@@ -5,7 +5,7 @@ use super::strands::{Hair, Strands};
 use glam::Vec4;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::guard_strands::{end_colors, strand};
+use pelage_fur::guard_strands::{end_colors, opacity, strand};
 use pelage_fur::hair_roots::Roots;
 use pelage_fur::parameters::{Maps, root_point};
 use pelage_fur::random::random;
@@ -50,9 +50,8 @@ pub(super) fn grow(
     };
     let grown: Vec<(Vec<Vec4>, Vec<Hair>)> =
         (0..shell.prisms.len() as u32).into_par_iter().map(of_triangle).collect();
-    let opacity: Vec<f32> = (0..=groom.segments)
-        .map(|k| groom.opacity * (-groom.tip_fade * k as f32 / groom.segments as f32).exp())
-        .collect();
+    let opacity: Vec<f32> =
+        (0..=groom.segments).map(|k| opacity(groom, k as f32 / groom.segments as f32)).collect();
     let opaque = opacity.iter().all(|a| *a >= 1.0);
     Strands {
         opacity: if opaque { Vec::new() } else { opacity },

@@ -18,7 +18,7 @@ const WITHIN: f64 = 0.99;
 
 /// Both layers of a groom, guard hairs first.
 pub(super) struct HybridFur<'a> {
-    guard: Option<GuardFur<'a>>,
+    guard: Option<GuardFur>,
     undercoat: Option<UndercoatFur<'a>>,
 }
 
@@ -32,7 +32,7 @@ impl<'a> HybridFur<'a> {
         let most = texels.saturating_mul(HAIRS_A_TEXEL).clamp(65_536, 1_000_000);
         let combed = Vec3::from(scene.guard.comb_direction).length_squared() > 0.0;
         let guard = (scene.render.fur != FurLayers::Implicit)
-            .then(|| GuardFur::new(&scene.guard, &means, patch, seed, most))
+            .then(|| GuardFur::new(&means, patch, seed, most))
             .filter(|g| g.count() > 0);
         let undercoat = (scene.render.fur != FurLayers::Explicit)
             .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, most))

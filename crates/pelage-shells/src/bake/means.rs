@@ -1,10 +1,11 @@
 //! Means of groom parameters over the skin: one texture serves all of it.
 
 use crate::shellfin::uv_area;
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::World;
 use pelage_fur::groom::pack_parameters;
-use pelage_fur::layout::Groom;
+use pelage_fur::layout::{self, Groom};
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint, triangle_point};
 use pelage_fur::random::{even_barycentric, hash2, r2, random};
 
@@ -69,6 +70,33 @@ impl<'a> SkinSamples<'a> {
             0 => Vec4::from(constant.value).truncate(),
             _ => self.mean(|maps, at| maps.color(parameter, at)),
         }
+    }
+
+    /// The groom with the parameters of the guard hairs constant at their means.
+    pub fn mean_groom(&self) -> Groom {
+        let mut groom = self.groom;
+        let mut set = |parameter: Parameter, mean: Vec3| {
+            groom.parameters[parameter as usize] = layout::Parameter {
+                value: mean.extend(1.0).to_array(),
+                size: [1; 2],
+                ..layout::Parameter::zeroed()
+            };
+        };
+        for parameter in [
+            Parameter::GuardDensity,
+            Parameter::GuardLength,
+            Parameter::GuardThickness,
+            Parameter::GuardComb,
+            Parameter::GuardClump,
+            Parameter::GuardCurl,
+            Parameter::GuardFrizz,
+        ] {
+            set(parameter, Vec3::splat(self.scalar(parameter)));
+        }
+        for parameter in [Parameter::GuardColorRoot, Parameter::GuardColorTip] {
+            set(parameter, self.color(parameter));
+        }
+        groom
     }
 
     /// Mean of a function of the face normal over the skin's area.
