@@ -2,9 +2,8 @@
 
 use crate::common::gpu;
 use glam::Vec3;
-use pelage_fur::groom::noise_tables;
 use pelage_fur::random::random;
-use pelage_fur::simplex::Field;
+use pelage_fur::simplex::{Field, noise_tables};
 
 const CODE: &str = "
 #import shared/noise

@@ -187,12 +187,16 @@ impl MapImage {
 pub fn bilinear(size: [u32; 2], uv: Vec2, texel: impl Fn(i32, i32) -> Vec4) -> Vec4 {
     let fraction = uv - uv.floor();
     let size = Vec2::new(size[0] as f32, size[1] as f32);
-    let at = Vec2::new(fraction.x, 1.0 - fraction.y) * size - 0.5;
+    interpolate(Vec2::new(fraction.x, 1.0 - fraction.y) * size - 0.5, texel)
+}
+
+/// Bilinear interpolation at `at`, in texels: the texel in column x and row y is centred on (x, y).
+pub fn interpolate(at: Vec2, texel: impl Fn(i32, i32) -> Vec4) -> Vec4 {
     let base = at.floor();
     let f = at - base;
     let (x, y) = (base.x as i32, base.y as i32);
-    let row = |y| texel(x, y).lerp(texel(x + 1, y), f.x);
-    row(y).lerp(row(y + 1), f.y)
+    let row = |y| texel(x, y).lerp(texel(x.saturating_add(1), y), f.x);
+    row(y).lerp(row(y.saturating_add(1)), f.y)
 }
 
 /// Three lookups of `plane` along the axes, at (y, z), (x, z) and (x, y) of `p`, weighted by the

@@ -1,13 +1,16 @@
 //! The groom, as the passes read it: values of the scene in the units and structs of the shaders.
 
+mod lights;
+mod map_packer;
+
 use crate::fibre::Fibre;
-use crate::layout::{Groom, Light, LightParameters, MAX_LIGHTS, Noise, Parameter, UndercoatParameters};
-use bytemuck::Zeroable;
+use crate::layout::{Groom, Light, LightParameters, Noise, UndercoatParameters};
+use crate::simplex::noise_tables;
 use glam::Vec3;
-use noise::permutationtable::{NoiseHasher, PermutationTable};
-use pelage_core::maps::MapSet;
+use lights::pack_lights;
+use map_packer::MapPacker;
 use pelage_core::scene::{
-    Blend, Color, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading,
+    Blend, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading,
     ShellLighting,
 };
 use pelage_core::{Result, World};
@@ -15,9 +18,6 @@ use pelage_core::{Result, World};
 /// Words of the scattered light at a node of the optical-depth lattice, after the optical depths:
 /// mean radiance from above and from below.
 pub const SCATTERED_WORDS: u32 = 3;
-
-/// Bytes of a texel of the map buffer: four halves.
-const TEXEL: u64 = 8;
 
 /// The groom, packed for upload.
 pub struct PackedGroom {
@@ -35,7 +35,7 @@ pub struct PackedGroom {
     pub undercoat_fibre: Fibre,
     /// Tables of the simplex noise.
     pub noise: Noise,
-    /// All lights, padded to [`MAX_LIGHTS`].
+    /// All lights, padded to [`MAX_LIGHTS`](crate::layout::MAX_LIGHTS).
     pub lights: Vec<Light>,
     /// Number of lights, and the key lights.
     pub light_parameters: LightParameters,
@@ -89,48 +89,42 @@ pub fn tau_stride(scene: &Scene, lights: u32) -> u32 {
     tau_pairs(lights) + if scattered { SCATTERED_WORDS } else { 0 }
 }
 
-/// Packs the groom of `world`.
-pub fn pack(world: &World) -> Result<PackedGroom> {
-    let scene = &world.scene;
-    let mut maps = MapPacker {
-        maps: &world.maps,
-        texels: Vec::new(),
-        bases: Vec::new(),
-        uv: world.skin.corner_uv.is_some(),
-    };
-    let guard = &scene.guard;
-    let undercoat = &scene.undercoat;
-    let no_undercoat = !has_undercoat(scene);
-    // Without an undercoat the shell still carries the optical-depth lattice of the guard hairs.
-    let shell_height = if no_undercoat {
-        Scalar::Constant(0.5 * guard.length.max().max(0.02))
+/// Height of the prism shell as a parameter: that of the undercoat. Without an undercoat the shell
+/// still carries the optical-depth lattice of the guard hairs.
+fn shell_height(scene: &Scene) -> Scalar {
+    if has_undercoat(scene) {
+        scene.undercoat.height.clone()
     } else {
-        undercoat.height.clone()
-    };
-    let parameters = [
-        maps.scalar(&guard.density),
-        maps.scalar(&guard.length),
-        maps.scalar(&guard.thickness),
-        maps.scalar(&guard.comb),
-        maps.scalar(&guard.clump),
-        maps.scalar(&guard.curl),
-        maps.scalar(&guard.frizz),
-        maps.color(&guard.color_root),
-        maps.color(&guard.color_tip),
-        maps.scalar(&undercoat.density),
-        maps.scalar(&shell_height),
-        maps.color(&undercoat.color_root),
-        maps.color(&undercoat.color_tip),
-        maps.color(&scene.base.color),
-        maps.color(&scene.shells.color),
-        maps.scalar(&scene.shells.length),
-    ];
-    let paper = scene.render.shading == Shading::Paper;
-    let multiple = multiple_model(scene);
-    let comb = Vec3::from(guard.comb_direction).normalize_or_zero();
+        Scalar::Constant(0.5 * scene.guard.length.max().max(0.02))
+    }
+}
+
+/// Packs the parameters, the settings of the guard hairs, and the texels of all maps. `height` is
+/// the parameter [`UndercoatHeight`](crate::parameters::Parameter::UndercoatHeight).
+pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>) {
+    let scene = &world.scene;
+    let mut maps = MapPacker::new(&world.maps, world.skin.corner_uv.is_some());
+    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
     let groom = Groom {
-        parameters,
-        comb_direction: comb.into(),
+        parameters: [
+            maps.scalar(&guard.density),
+            maps.scalar(&guard.length),
+            maps.scalar(&guard.thickness),
+            maps.scalar(&guard.comb),
+            maps.scalar(&guard.clump),
+            maps.scalar(&guard.curl),
+            maps.scalar(&guard.frizz),
+            maps.color(&guard.color_root),
+            maps.color(&guard.color_tip),
+            maps.scalar(&undercoat.density),
+            maps.scalar(height),
+            maps.color(&undercoat.color_root),
+            maps.color(&undercoat.color_tip),
+            maps.color(&scene.base.color),
+            maps.color(&scene.shells.color),
+            maps.scalar(&scene.shells.length),
+        ],
+        comb_direction: Vec3::from(guard.comb_direction).normalize_or_zero().into(),
         segments: guard.segments,
         diameter: guard.diameter.map(|um| um * 1e-4),
         widest: guard.widest,
@@ -146,10 +140,22 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         tip_fade: guard.tip_fade,
         seed: scene.render.seed,
         root_darkening: guard.root_darkening,
-        paper: u32::from(paper),
+        paper: u32::from(scene.render.shading == Shading::Paper),
         padding: 0,
     };
-    let extinction = if no_undercoat { 0.0 } else { undercoat.density.max() * undercoat.diameter[0] * 1e-4 };
+    (groom, maps.finish())
+}
+
+/// Packs the groom of `world`.
+pub fn pack(world: &World) -> Result<PackedGroom> {
+    let scene = &world.scene;
+    let undercoat = &scene.undercoat;
+    let shell_height = shell_height(scene);
+    let (groom, mut texels) = pack_parameters(world, &shell_height);
+    let multiple = multiple_model(scene);
+    let comb = Vec3::from(groom.comb_direction);
+    let extinction =
+        if has_undercoat(scene) { undercoat.density.max() * undercoat.diameter[0] * 1e-4 } else { 0.0 };
     let height = shell_height.max();
     let free_path = if extinction > 0.0 { 1.0 / extinction } else { height };
     let undercoat = UndercoatParameters {
@@ -174,7 +180,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         } else {
             0.0
         },
-        isotropic: u32::from(paper),
+        isotropic: groom.paper,
         opacity_cut: 0.001,
         virtual_fragments: match scene.render.blend {
             Blend::Virtual => scene.render.virtual_fragments.max(1),
@@ -184,7 +190,6 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         attenuation: scene.render.simplified_attenuation,
     };
     let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
-    let mut texels = maps.finish();
     let table_bases = [&guard_fibre, &undercoat_fibre].map(|fibre| {
         let base = texels.len() as u32;
         texels.extend(fibre.texels());
@@ -204,143 +209,6 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     })
 }
 
-/// Packs the lights; the key lights are the two brightest of those that light the undercoat, by
-/// luminance.
-// [BT709]
-fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
-    let mut lights: Vec<Light> = world
-        .lights
-        .iter()
-        .take(MAX_LIGHTS)
-        .map(|l| Light {
-            direction: l.direction.into(),
-            undercoat: u32::from(l.undercoat),
-            irradiance: l.irradiance.into(),
-            padding: 0,
-        })
-        .collect();
-    let mut order: Vec<usize> = (0..lights.len()).filter(|i| lights[*i].undercoat == 1).collect();
-    order.sort_by(|a, b| {
-        let power = |i: usize| world.lights[i].irradiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
-        power(*b).total_cmp(&power(*a))
-    });
-    let mut parameters = LightParameters {
-        count: lights.len() as u32,
-        keys: order.len().min(2) as u32,
-        key_lights: [u32::MAX; 2],
-        ..LightParameters::zeroed()
-    };
-    for (k, i) in order.into_iter().take(2).enumerate() {
-        let [x, y, z] = lights[i].direction;
-        let [r, g, b] = lights[i].irradiance;
-        parameters.key_lights[k] = i as u32;
-        parameters.key_direction[k] = [x, y, z, 0.0];
-        parameters.key_irradiance[k] = [r, g, b, 0.0];
-    }
-    lights.resize(MAX_LIGHTS, Light::zeroed());
-    (parameters, lights)
-}
-
-/// The tables of the `noise` crate's simplex noise for a seed, as `shaders/shared/noise.wgsl` reads
-/// them.
-// [Perlin2001], [Gustavson2005]
-pub fn noise_tables(seed: u32) -> Noise {
-    let table = PermutationTable::new(seed);
-    let mut permutation = [[0u32; 4]; 16];
-    for i in 0..256usize {
-        permutation[i / 16][(i / 4) % 4] |= (table.hash(&[i as isize]) as u32) << (8 * (i % 4));
-    }
-    let d = std::f32::consts::FRAC_1_SQRT_2;
-    let gradients2 = [[1.0, 0.0], [-1.0, 0.0], [0.0, 1.0], [0.0, -1.0], [d, d], [-d, d], [d, -d], [-d, -d]]
-        .map(|[x, y]| [x, y, 0.0, 0.0]);
-    let mut gradients3 = [[0.0f32; 4]; 32];
-    for (i, g) in gradients3.iter_mut().enumerate() {
-        // The twelve edges of the cube, twice, then its eight corners.
-        let sign = |bit: usize| if i & bit == 0 { 1.0 } else { -1.0 };
-        *g = if i >= 24 {
-            let c = 1.0 / 3f32.sqrt();
-            [sign(1) * c, sign(2) * c, sign(4) * c, 0.0]
-        } else {
-            let e = i % 12;
-            let (a, b) = (if e & 1 == 0 { d } else { -d }, if e & 2 == 0 { d } else { -d });
-            match e / 4 {
-                0 => [a, b, 0.0, 0.0],
-                1 => [a, 0.0, b, 0.0],
-                _ => [0.0, a, b, 0.0],
-            }
-        };
-    }
-    Noise { permutation, gradients2, gradients3 }
-}
-
-/// Collects the texels of the maps that parameters refer to, each map once.
-struct MapPacker<'a> {
-    maps: &'a MapSet,
-    texels: Vec<[u32; 2]>,
-    bases: Vec<(usize, u32)>,
-    uv: bool,
-}
-
-impl MapPacker<'_> {
-    fn source(&mut self, name: &str, color: bool) -> (u32, u32, [u32; 2]) {
-        if name == "vertex_color" {
-            return (1, 0, [1, 1]);
-        }
-        let Some(index) = self.maps.images.iter().position(|i| i.name == name && i.color == color) else {
-            return (0, 0, [1, 1]);
-        };
-        let image = &self.maps.images[index];
-        let known = self.bases.iter().find(|(i, _)| *i == index).map(|(_, base)| *base);
-        let base = known.unwrap_or_else(|| {
-            let base = self.texels.len() as u32;
-            let half = |a: f32, b: f32| {
-                u32::from(half::f16::from_f32(a).to_bits())
-                    | (u32::from(half::f16::from_f32(b).to_bits()) << 16)
-            };
-            self.texels.extend(image.texels.iter().map(|t| [half(t[0], t[1]), half(t[2], t[3])]));
-            self.bases.push((index, base));
-            base
-        });
-        (if self.uv { 2 } else { 3 }, base, [image.width, image.height])
-    }
-
-    fn scalar(&mut self, scalar: &Scalar) -> Parameter {
-        match scalar {
-            Scalar::Constant(v) => parameter([*v; 4], (0, 0, [1, 1]), 0.0, 0),
-            Scalar::Mapped(m) => {
-                parameter([m.value; 4], self.source(&m.map, false), m.offset, m.channel.index() as u32)
-            }
-        }
-    }
-
-    fn color(&mut self, color: &Color) -> Parameter {
-        match color {
-            Color::Constant([r, g, b]) => parameter([*r, *g, *b, 1.0], (0, 0, [1, 1]), 0.0, 0),
-            Color::Mapped(m) => {
-                let [r, g, b] = m.value;
-                parameter([r, g, b, 1.0], self.source(&m.map, true), 0.0, 0)
-            }
-        }
-    }
-
-    fn finish(mut self) -> Vec<[u32; 2]> {
-        if self.texels.is_empty() {
-            self.texels.push([0; 2]);
-        }
-        debug_assert!((self.texels.len() as u64 * TEXEL) < u64::from(u32::MAX));
-        self.texels
-    }
-}
-
-fn parameter(
-    value: [f32; 4],
-    (source, texel_base, size): (u32, u32, [u32; 2]),
-    offset: f32,
-    channel: u32,
-) -> Parameter {
-    Parameter { value, source, texel_base, size, offset, channel, padding: [0; 2] }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -357,17 +225,5 @@ mod tests {
         assert_eq!(model(&format!("{chiang}[render]\nfur = \"explicit\"")), MultipleModel::Similarity);
         assert_eq!(model(&format!("{chiang}[render.multiple]\nmodel = \"dual\"")), MultipleModel::Dual);
         assert_eq!(model(&format!("{chiang}[render]\nshading = \"paper\"")), MultipleModel::None);
-    }
-
-    #[test]
-    fn noise_gradients_are_units_and_balanced() {
-        let tables = noise_tables(7);
-        let mut sum = [0.0f32; 3];
-        for g in tables.gradients3 {
-            let norm: f32 = g.iter().map(|x| x * x).sum();
-            assert!((norm - 1.0).abs() < 1e-6);
-            (0..3).for_each(|k| sum[k] += g[k]);
-        }
-        assert!(sum.iter().all(|s| s.abs() < 1e-5), "{sum:?}");
     }
 }

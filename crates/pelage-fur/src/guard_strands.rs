@@ -2,10 +2,12 @@
 // [Andersen2016] sec. 2
 
 use crate::layout::{Groom, Root};
-use crate::parameters::{Maps, Parameter, skin_point};
+use crate::parameters::{Maps, Parameter, SkinPoint, root_point};
 use crate::random::{hash2, random};
 use crate::shell::Shell;
-use crate::strand_curve::{self, bezier, control_polygon, curl_and_frizz, leg_directions, rayleigh};
+use crate::strand_curve::{
+    self, bezier, control_polygon, curl_and_frizz, leg_directions, rayleigh, side_at, sides,
+};
 use crate::strands::vertex;
 use glam::{IVec3, Vec3};
 use std::f32::consts::TAU;
@@ -22,27 +24,28 @@ pub struct Strand {
     /// The inner control points and the tip, cm.
     pub control: [Vec3; 3],
     pull: Vec3,
-    side: Vec3,
-    other: Vec3,
+    sides: [Vec3; 2],
     curl: f32,
     frizz: f32,
     thickness: f32,
     seed: u32,
 }
 
-/// Vector from `p` (cm) to the nearest clump centre, cm; each cell of a jittered grid has one
-/// centre.
+/// Vector from a point to the nearest centre of a jittered grid, which has one in each cell.
+/// `cells` are the cells around the point; `seed` is that of a cell, and `offset` the vector from
+/// the point to a place of the grid, whose cells are units.
 // [Worley1996]
-fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
-    let size = 1.0 / groom.clump_density.max(1e-6).sqrt();
-    let cell = (p / size).floor().as_ivec3();
+pub fn nearest_centre(
+    cells: impl Iterator<Item = IVec3>,
+    seed: impl Fn(IVec3) -> u32,
+    offset: impl Fn(Vec3) -> Vec3,
+) -> Vec3 {
     let mut best = Vec3::ZERO;
     let mut least = 1e30;
-    for i in 0..27 {
-        let c = cell + IVec3::new(i % 3, (i / 3) % 3, i / 9) - 1;
-        let h = hash2(hash2(c.x as u32, c.y as u32), c.z as u32 ^ groom.seed);
+    for cell in cells {
+        let h = seed(cell);
         let jitter = Vec3::new(random(h, 0), random(h, 1), random(h, 2));
-        let offset = (c.as_vec3() + jitter) * size - p;
+        let offset = offset(cell.as_vec3() + jitter);
         if offset.dot(offset) < least {
             least = offset.dot(offset);
             best = offset;
@@ -51,33 +54,62 @@ fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
     best
 }
 
+/// Vector from `p` (cm) to the nearest clump centre, cm.
+fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
+    let size = 1.0 / groom.clump_density.max(1e-6).sqrt();
+    let cell = (p / size).floor().as_ivec3();
+    nearest_centre(
+        (0..27).map(|i| cell + IVec3::new(i % 3, (i / 3) % 3, i / 9) - 1),
+        |c| hash2(hash2(c.x as u32, c.y as u32), c.z as u32 ^ groom.seed),
+        |place| place * size - p,
+    )
+}
+
 /// Diameter at `s` (0 root, 1 tip), cm.
 pub fn diameter(groom: &Groom, s: f32) -> f32 {
     strand_curve::diameter(groom.diameter, groom.widest, s)
 }
 
+/// Opacity at `s` (0 root, 1 tip).
+pub fn opacity(groom: &Groom, s: f32) -> f32 {
+    groom.opacity * (-groom.tip_fade * s).exp()
+}
+
+/// Colours at the root and the tip of the hair with this seed, linear RGB.
+pub fn end_colors(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> [Vec3; 2] {
+    let tone = 1.0 + maps.groom.color_variation * (2.0 * random(seed, 6) - 1.0);
+    [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, at) * tone)
+}
+
 /// The strand that grows from a root.
 pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
+    let at = root_point(shell, root);
+    strand_at(maps, &at, sides(at.normal), root.seed, |p| to_clump(maps.groom, p))
+}
+
+/// The strand with this seed that grows at a point of the skin. `sides` are those of its normal,
+/// from the first of which azimuths are measured; `to_clump` gives the vector from a point to the
+/// nearest clump centre, cm.
+pub fn strand_at(
+    maps: &Maps<'_>,
+    at: &SkinPoint,
+    sides: [Vec3; 2],
+    seed: u32,
+    to_clump: impl Fn(Vec3) -> Vec3,
+) -> Strand {
     let groom = maps.groom;
-    let seed = root.seed;
-    let [l1, l2] = root.lambda;
-    let at = skin_point(shell, root.prism, Vec3::new(1.0 - l1 - l2, l1, l2));
     let n = at.normal;
-    let across = if n.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
-    let side = across.cross(n).normalize();
-    let other = n.cross(side);
-    let length = maps.scalar(Parameter::GuardLength, &at) * (1.0 - groom.length_variation * random(seed, 0));
+    let length = maps.scalar(Parameter::GuardLength, at) * (1.0 - groom.length_variation * random(seed, 0));
     let comb_direction = Vec3::from(groom.comb_direction);
     let combed = comb_direction - n * n.dot(comb_direction);
     let spread = groom.spread * rayleigh(random(seed, 1));
-    let phi = TAU * random(seed, 2);
-    let lean =
-        combed * maps.scalar(Parameter::GuardComb, &at) + spread * (phi.cos() * side + phi.sin() * other);
+    let random_side = side_at(sides, TAU * random(seed, 2));
+    let lean = combed * maps.scalar(Parameter::GuardComb, at) + spread * random_side;
     let legs = leg_directions(n, lean, groom.gravity).map(|leg| leg * (length / 3.0));
     let control = control_polygon(n, legs);
-    let clump = maps.scalar(Parameter::GuardClump, &at);
+    let clump = maps.scalar(Parameter::GuardClump, at);
     let pull = if clump > 0.0 {
-        let offset = to_clump(groom, at.position);
+        let offset = to_clump(at.position);
         clump * (offset - n * n.dot(offset))
     } else {
         Vec3::ZERO
@@ -88,11 +120,10 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
         length,
         control,
         pull,
-        side,
-        other,
-        curl: maps.scalar(Parameter::GuardCurl, &at),
-        frizz: maps.scalar(Parameter::GuardFrizz, &at),
-        thickness: maps.scalar(Parameter::GuardThickness, &at),
+        sides,
+        curl: maps.scalar(Parameter::GuardCurl, at),
+        frizz: maps.scalar(Parameter::GuardFrizz, at),
+        thickness: maps.scalar(Parameter::GuardThickness, at),
         seed,
     }
 }
@@ -101,8 +132,9 @@ impl Strand {
     /// Point at `s` (0 root, 1 tip), world space, cm.
     pub fn point(&self, groom: &Groom, s: f32) -> Vec3 {
         let frequencies = [groom.curl_frequency, groom.frizz_frequency];
+        let [side, other] = self.sides;
         let [curl, frizz] = curl_and_frizz(self.seed, self.length, frequencies, s)
-            .map(|across| across.x * self.side + across.y * self.other);
+            .map(|across| across.x * side + across.y * other);
         self.root
             + bezier(self.control, s)
             + self.pull * s * s
@@ -110,13 +142,17 @@ impl Strand {
             + self.frizz * s * frizz
     }
 
+    /// Diameter at `s` (0 root, 1 tip), cm, thickness included.
+    pub fn diameter(&self, groom: &Groom, s: f32) -> f32 {
+        self.thickness * diameter(groom, s)
+    }
+
     /// The tessellated strand, `groom.segments + 1` packed vertices (see [`vertex`]).
     pub fn vertices(&self, groom: &Groom) -> Vec<[f32; 4]> {
         (0..=groom.segments)
             .map(|k| {
                 let s = k as f32 / groom.segments as f32;
-                let radius = 0.5 * self.thickness * diameter(groom, s);
-                vertex(self.point(groom, s), radius, groom.opacity * (-groom.tip_fade * s).exp())
+                vertex(self.point(groom, s), 0.5 * self.diameter(groom, s), opacity(groom, s))
             })
             .collect()
     }

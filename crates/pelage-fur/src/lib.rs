@@ -1,6 +1,7 @@
 //! The fur on the CPU: groom, strands, prism shell, noise, undercoat and fibre scattering. Each
 //! formula stands here once.
 
+pub mod arithmetic;
 pub mod camera;
 pub mod fibre;
 pub mod groom;

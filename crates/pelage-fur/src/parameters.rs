@@ -1,10 +1,11 @@
 //! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point
 //! of the skin.
 
-use crate::layout::Groom;
+use crate::layout::{Groom, Root};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3, Vec4};
 use half::f16;
+use pelage_core::Skin;
 use pelage_core::maps::{TRIPLANAR_CM, bilinear, triplanar};
 
 /// Indices of the parameters in [`Groom::parameters`].
@@ -58,6 +59,29 @@ pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
         normal: mix([a.normal.into(), b.normal.into(), c.normal.into()]).normalize(),
         uv: lambda.x * uv(0) + lambda.y * uv(1) + lambda.z * uv(2),
         color: mix(corners.map(|v| unpack_color(v.color))),
+    }
+}
+
+/// The point of the skin at a root.
+pub fn root_point(shell: &Shell, root: &Root) -> SkinPoint {
+    let [l1, l2] = root.lambda;
+    skin_point(shell, root.prism, Vec3::new(1.0 - l1 - l2, l1, l2))
+}
+
+/// The point at barycentric coordinates `lambda` of a triangle, with the skin's own normals rather
+/// than those of the shell.
+pub fn triangle_point(skin: &Skin, triangle: usize, lambda: Vec3) -> SkinPoint {
+    let corners = skin.triangles[triangle].map(|v| v as usize);
+    let mix = |f: &[Vec3]| {
+        let [a, b, c] = corners.map(|v| f[v]);
+        lambda.x * a + lambda.y * b + lambda.z * c
+    };
+    let uv = |[a, b, c]: [Vec2; 3]| lambda.x * a + lambda.y * b + lambda.z * c;
+    SkinPoint {
+        position: mix(&skin.positions),
+        normal: mix(&skin.normals).normalize_or(Vec3::Y),
+        uv: skin.corner_uv.as_ref().map_or(Vec2::ZERO, |of| uv(of[triangle])),
+        color: if skin.colors.is_empty() { Vec3::ONE } else { mix(&skin.colors) },
     }
 }
 

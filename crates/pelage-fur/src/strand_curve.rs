@@ -6,6 +6,7 @@
 //! the root.
 // [Andersen2016] sec. 2 names Bézier shaping; the formulas are ours.
 
+use crate::arithmetic::ease;
 use crate::random::random;
 use glam::{Vec2, Vec3};
 use std::f32::consts::TAU;
@@ -30,6 +31,18 @@ pub fn control_polygon(n: Vec3, [leg1, leg2, leg3]: [Vec3; 3]) -> [Vec3; 3] {
 pub fn bezier([p1, p2, p3]: [Vec3; 3], s: f32) -> Vec3 {
     let r = 1.0 - s;
     3.0 * r * r * s * p1 + 3.0 * r * s * s * p2 + s * s * s * p3
+}
+
+/// Two unit vectors perpendicular to the unit vector `n` and to each other.
+pub fn sides(n: Vec3) -> [Vec3; 2] {
+    let across = if n.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
+    let side = across.cross(n).normalize();
+    [side, n.cross(side)]
+}
+
+/// The unit vector at `azimuth` (radians) in the plane of two sides.
+pub fn side_at([side, other]: [Vec3; 2], azimuth: f32) -> Vec3 {
+    azimuth.cos() * side + azimuth.sin() * other
 }
 
 /// A Rayleigh deviate of scale 1 from a uniform `u`: a lean of this length in a uniform direction
@@ -61,19 +74,20 @@ pub fn curl_and_frizz(
 pub fn diameter([root, largest, tip]: [f32; 3], widest: f32, s: f32) -> f32 {
     if s < widest {
         let x = s / widest.max(1e-3);
-        return root + (largest - root) * smooth(x);
+        return root + (largest - root) * ease(x);
     }
     let x = (s - widest) / (1.0 - widest).max(1e-3);
     largest + (tip - largest) * x * x
 }
 
+/// Colour at `s` of a hair with colours `root` and `tip` at its ends, linear RGB in 0..1;
+/// `transition` as in [`tip_share`].
+pub fn color_at(transition: [f32; 2], [root, tip]: [Vec3; 2], s: f32) -> Vec3 {
+    root.lerp(tip, tip_share(transition, s)).clamp(Vec3::ZERO, Vec3::ONE)
+}
+
 /// Weight of the tip's colour at `s`; `transition` is the middle and the width of the change from
 /// the root's colour.
 pub fn tip_share([middle, width]: [f32; 2], s: f32) -> f32 {
-    smooth(((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0))
-}
-
-/// The cubic with zero slope at both ends, 0 at 0 and 1 at 1.
-fn smooth(x: f32) -> f32 {
-    x * x * (3.0 - 2.0 * x)
+    ease(((s - middle + 0.5 * width) / (width + 1e-4)).clamp(0.0, 1.0))
 }

@@ -1,6 +1,7 @@
 //! Twin of `shaders/shared/{undercoat,clumps,volume}.wgsl`: density, tangents and scattering of the
 //! undercoat.
 
+use crate::arithmetic::{inverse_ease, smoothstep};
 use crate::fibre::table::MEAN_GLINT;
 use crate::fibre::{Angles, Fibre, Hit};
 use crate::layout::UndercoatParameters;
@@ -80,12 +81,6 @@ pub fn color(undercoat: &Fibre, tint: Vec3) -> Vec3 {
     if matches!(undercoat, Fibre::KajiyaKay(_)) { tint } else { Vec3::ONE }
 }
 
-/// `smoothstep` of WGSL.
-fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
-    let t = ((x - low) / (high - low)).clamp(0.0, 1.0);
-    t * t * (3.0 - 2.0 * t)
-}
-
 /// Scale of the domain of the locks' noise relative to that of the clumps: locks are finer.
 pub const LOCKS_SCALE: f32 = 2.6;
 /// Offset of the domain of the locks' noise, which decorrelates it from the clumps'.
@@ -120,12 +115,7 @@ pub fn alive(top: f32, t: f32) -> f32 {
 /// Height at which the fraction `ended` of the hairs of a place has ended: the inverse of
 /// [`alive`].
 pub fn end_height(top: f32, ended: f32) -> f32 {
-    top - END[0] + (END[0] + END[1]) * inverse_smoothstep(ended)
-}
-
-/// The inverse of x² (3 − 2x) on 0..1.
-fn inverse_smoothstep(y: f32) -> f32 {
-    0.5 - ((1.0 - 2.0 * y.clamp(0.0, 1.0)).asin() / 3.0).sin()
+    top - END[0] + (END[0] + END[1]) * inverse_ease(ended)
 }
 
 /// Diameter at height `t` relative to that at the root; `ratio` is that at the top.

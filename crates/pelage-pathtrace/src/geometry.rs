@@ -6,13 +6,13 @@ use super::{
     segments::{check, mark_ends, part_bounds},
     strands::Strands,
 };
-use glam::{Vec2, Vec3, Vec3A, Vec4};
+use glam::{Vec3, Vec3A, Vec4};
 use pelage_core::{Error, Result, Skin, World};
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_fur::parameters::{Maps, Parameter, triangle_point};
 use pelage_fur::random::{hash2, random};
 
 /// Hairs of a layer, whose points are in [`Geometry::points`].
@@ -346,24 +346,16 @@ impl Geometry {
 
     /// Shading data of the skin where it is met.
     pub fn skin_shading(&self, hit: &SkinHit) -> SkinShading {
-        let corners = self.skin.triangles[hit.triangle as usize].map(|v| v as usize);
         let [l1, l2] = hit.lambda;
-        let weights = [1.0 - l1 - l2, l1, l2];
-        let mix = |values: &[Vec3]| -> Vec3 { (0..3).map(|k| weights[k] * values[corners[k]]).sum() };
-        let position = mix(&self.skin.positions);
-        let normal = mix(&self.skin.normals).normalize_or(Vec3::Y);
-        let uv = self.skin.corner_uv.as_ref().map_or(Vec2::ZERO, |all| {
-            let uv = all[hit.triangle as usize];
-            (0..3).map(|k| weights[k] * uv[k]).sum()
-        });
-        let color = if self.skin.colors.is_empty() { Vec3::ONE } else { mix(&self.skin.colors) };
+        let triangle = hit.triangle as usize;
+        let at = triangle_point(&self.skin, triangle, Vec3::new(1.0 - l1 - l2, l1, l2));
         let maps = Maps { groom: &self.groom.groom, texels: &self.groom.texels };
-        let reflectance = maps.color(Parameter::BaseColor, &SkinPoint { position, normal, uv, color });
-        let [a, b, c] = self.skin.corners(hit.triangle as usize);
+        let reflectance = maps.color(Parameter::BaseColor, &at);
+        let [a, b, c] = self.skin.corners(triangle);
         SkinShading {
             reflectance: reflectance.clamp(Vec3::ZERO, Vec3::ONE),
-            normal,
-            geometric_normal: (b - a).cross(c - a).normalize_or(normal),
+            normal: at.normal,
+            geometric_normal: (b - a).cross(c - a).normalize_or(at.normal),
         }
     }
 }

@@ -2,12 +2,12 @@
 
 use super::patch::Patch;
 use super::strands::{Hair, Strands};
-use glam::{Vec3, Vec4};
+use glam::Vec4;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::guard_strands::strand;
+use pelage_fur::guard_strands::{end_colors, opacity, strand};
 use pelage_fur::hair_roots::Roots;
-use pelage_fur::parameters::{Maps, Parameter, skin_point};
+use pelage_fur::parameters::{Maps, root_point};
 use pelage_fur::random::random;
 use pelage_fur::shell::Shell;
 use pelage_fur::strands::{position, radius};
@@ -37,13 +37,10 @@ pub(super) fn grow(
             if patch.is_some_and(|p| !p.holds(strand.root)) {
                 continue;
             }
-            let [l1, l2] = root.lambda;
-            let at = skin_point(shell, prism, Vec3::new(1.0 - l1 - l2, l1, l2));
-            // The variation of colour from strand to strand, as in guard_shade.
-            let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
+            let [color_root, color_tip] = end_colors(&maps, &root_point(shell, &root), root.seed);
             hairs.push(Hair {
-                color_root: maps.color(Parameter::GuardColorRoot, &at) * tone,
-                color_tip: maps.color(Parameter::GuardColorTip, &at) * tone,
+                color_root,
+                color_tip,
                 glint_angle: pelage_fur::fibre::glint_angle(random(root.seed, 7)),
                 present,
             });
@@ -53,9 +50,8 @@ pub(super) fn grow(
     };
     let grown: Vec<(Vec<Vec4>, Vec<Hair>)> =
         (0..shell.prisms.len() as u32).into_par_iter().map(of_triangle).collect();
-    let opacity: Vec<f32> = (0..=groom.segments)
-        .map(|k| groom.opacity * (-groom.tip_fade * k as f32 / groom.segments as f32).exp())
-        .collect();
+    let opacity: Vec<f32> =
+        (0..=groom.segments).map(|k| opacity(groom, k as f32 / groom.segments as f32)).collect();
     let opaque = opacity.iter().all(|a| *a >= 1.0);
     Strands {
         opacity: if opaque { Vec::new() } else { opacity },

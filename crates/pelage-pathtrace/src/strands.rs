@@ -2,7 +2,7 @@
 
 use glam::{Vec3, Vec4};
 use pelage_fur::Layer;
-use pelage_fur::strand_curve::tip_share;
+use pelage_fur::strand_curve::color_at;
 
 /// All hairs of one layer, each with `segments + 1` points, one after the other.
 #[derive(Debug, Clone)]
@@ -53,10 +53,9 @@ impl Strands {
     /// Colour of hair `i` at `s` (0 root, 1 tip), linear RGB in 0..1.
     pub fn color(&self, i: usize, s: f32) -> Vec3 {
         let hair = &self.hairs[i];
-        let u = match self.layer {
-            Layer::Undercoat => s,
-            Layer::Guard => tip_share(self.color_transition, s),
-        };
-        hair.color_root.lerp(hair.color_tip, u).clamp(Vec3::ZERO, Vec3::ONE)
+        match self.layer {
+            Layer::Undercoat => hair.color_root.lerp(hair.color_tip, s).clamp(Vec3::ZERO, Vec3::ONE),
+            Layer::Guard => color_at(self.color_transition, [hair.color_root, hair.color_tip], s),
+        }
     }
 }

@@ -8,13 +8,13 @@
 
 use super::patch::Patch;
 use super::strands::{Hair, Strands};
-use glam::{Vec3, Vec4};
+use glam::{Vec2, Vec3, Vec4};
 use pelage_core::World;
 use pelage_fur::Layer;
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::layout::UndercoatParameters;
 use pelage_fur::parameters::{Maps, Parameter, skin_point};
-use pelage_fur::random::{hash2, random, random_direction};
+use pelage_fur::random::{even_barycentric, hash2, random, random_direction};
 use pelage_fur::shell::{Located, Place, Shell};
 use pelage_fur::simplex::Field;
 use pelage_fur::undercoat::Undercoat;
@@ -172,9 +172,7 @@ impl<'a> Grower<'a> {
     /// present.
     fn hair(&self, prism: u32, k: u32, points: &mut Vec<Vec4>) -> Option<Hair> {
         let seed = hash2(hash2(self.seed, prism), k);
-        let r = random(seed, 0).sqrt();
-        let u = random(seed, 1);
-        let lambda = Vec3::new(1.0 - r, r * (1.0 - u), r * u);
+        let lambda = even_barycentric(Vec2::new(random(seed, 0), random(seed, 1)));
         if let Some(patch) = &self.patch
             && !patch.holds(self.shell.enter(prism).point(0.0, lambda))
         {

@@ -30,6 +30,8 @@ pub use manifest::{
 pub use strand::{Hair, HairSource, Knot};
 pub use voxels::{Block, Keep, Voxels, voxelise};
 
+use glam::{Vec2, Vec4};
+use pelage_core::maps;
 use pelage_core::scene::BakeSource;
 use pelage_core::{Error, Result, Skin, World};
 
@@ -43,6 +45,21 @@ pub struct Texture {
     /// Texels, row by row with v = 0 first; texel (i, j) is centred on ((i + 0.5) / width, (j +
     /// 0.5) / height).
     pub texels: Vec<[f32; 4]>,
+}
+
+impl Texture {
+    /// Bilinear lookup at `uv`, in units of the texture's edges. It wraps along u, and along v if
+    /// `wrap_v`; otherwise the outer rows are repeated. Zero for a texture without texels.
+    pub fn bilinear(&self, uv: Vec2, wrap_v: bool) -> Vec4 {
+        if self.texels.is_empty() {
+            return Vec4::ZERO;
+        }
+        let (width, height) = (self.width as i32, self.height as i32);
+        maps::interpolate(uv * Vec2::new(width as f32, height as f32) - 0.5, |x, y| {
+            let y = if wrap_v { y.rem_euclid(height) } else { y.clamp(0, height - 1) };
+            Vec4::from(self.texels[(y * width + x.rem_euclid(width)) as usize])
+        })
+    }
 }
 
 /// All textures of a fur.

@@ -4,26 +4,28 @@
 // between hairs: [Xbdev].
 
 mod geometry;
+mod hair;
 mod picture;
 mod rows;
 mod table;
 mod textures;
 
-pub(crate) use geometry::uv_in_cm;
 pub use geometry::{Overlapping, corners, edges};
+pub(crate) use geometry::{uv_area, uv_in_cm};
+pub(crate) use hair::{bent, brush_weight, hair_curve};
 pub use picture::{Pictures, run};
 pub use rows::{FIN_ROWS, levels, rows};
 pub use table::{hair_lighting, lighting_table};
 pub(crate) use textures::FIN_TEXELS;
 pub use textures::{Means, deepened};
 
-use crate::bake::FurTextures;
+use crate::bake::{FurTextures, Manifest};
 use crate::passes::shellfin_raster::{Draws, ShellfinRaster, Uses};
 use crate::passes::shellfin_rows::ShellfinRows;
 use crate::{dynamics, lapped};
 use bytemuck::Zeroable;
 use glam::Vec3;
-use pelage_core::scene::{BakeSource, Color, FinFade, Mapping, Scalar, ShellLighting};
+use pelage_core::scene::{BakeSource, Color, FinFade, Mapping, Scalar, ShellLighting, Shells};
 use pelage_core::{Error, Result, World};
 use pelage_fur::layout::{Brush, Frame, ShellRow, Shellfin};
 use pelage_gpu::recorder::{RasterTargets, Timings};
@@ -36,7 +38,7 @@ const STRAY: f32 = 0.3;
 
 /// Depth of fur that a fin represents, relative to the mean edge length. With this value the fins
 /// on a ball cover as much as its hybrid fur.
-pub(crate) const FIN_SPACING: f32 = 0.4;
+const FIN_SPACING: f32 = 0.4;
 
 /// A fur as shells and fins, on the GPU.
 pub struct Shellfins<'g> {
@@ -102,6 +104,21 @@ pub(crate) fn stray_variance(world: &World, source: BakeSource, height: f32) -> 
     let undercoat = &world.scene.undercoat;
     let t = (height / undercoat.height.max().max(1e-6)).min(1.0);
     (undercoat.tangent_jitter * t.powf(undercoat.jitter_exponent)).powi(2) / 3.0
+}
+
+/// Depth of fur that a fin represents relative to that of its texture, for fins on edges of these
+/// lengths in cm.
+pub(crate) fn fin_depth(
+    shells: &Shells,
+    manifest: &Manifest,
+    lengths: impl ExactSizeIterator<Item = f32>,
+) -> f32 {
+    if !shells.slanted {
+        return 1.0;
+    }
+    let count = lengths.len().max(1);
+    let mean = lengths.map(f64::from).sum::<f64>() / count as f64;
+    FIN_SPACING * mean as f32 / manifest.fin_depth
 }
 
 /// Loads the textures that the scene names, or else bakes those that it describes.
@@ -223,11 +240,7 @@ impl<'g> Shellfins<'g> {
                 (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))
             ),
         };
-        let fin_depth = if shells.slanted {
-            FIN_SPACING * geometry::mean_edge(skin, &fin_edges) / manifest.fin_depth
-        } else {
-            1.0
-        };
+        let fin_depth = fin_depth(shells, manifest, geometry::lengths(skin, &fin_edges));
         let fins = deepened(textures, fin_depth);
         let (uploaded, means) = textures::upload(gpu, textures, fins)?;
         Ok(Self {

@@ -7,13 +7,13 @@ use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::guard_strands::{diameter, strand};
+use pelage_fur::guard_strands::{diameter, opacity, strand};
 use pelage_fur::layout::{Prism, Root, ShellVertex};
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint, skin_point};
-use pelage_fur::random::{hash2, random};
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint, root_point};
+use pelage_fur::random::{even_barycentric, hash2, random};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
-use pelage_fur::strand_curve::tip_share;
+use pelage_fur::strand_curve::color_at;
 use pelage_fur::surface::vertex_uv;
 use pelage_fur::undercoat::{Undercoat, mean_color};
 use std::f32::consts::FRAC_PI_4;
@@ -215,10 +215,9 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     let mut pieces = Vec::new();
     for k in 0..roots {
         let seed = hash2(packed.undercoat.seed, k);
-        let root_u = random(seed, 100).sqrt();
-        let lambda = [root_u * (1.0 - random(seed, 101)), root_u * random(seed, 101)];
-        let root = Root { prism: k / GUARD_HAIRS, seed, lambda };
-        let at = skin_point(&shell, root.prism, Vec3::new(1.0 - lambda[0] - lambda[1], lambda[0], lambda[1]));
+        let lambda = even_barycentric(Vec2::new(random(seed, 100), random(seed, 101)));
+        let root = Root { prism: k / GUARD_HAIRS, seed, lambda: [lambda.y, lambda.z] };
+        let at = root_point(&shell, &root);
         let density = maps.scalar(Parameter::GuardDensity, &at) / roots as f32;
         let strand = strand(&shell, &maps, &root);
         let thickness = maps.scalar(Parameter::GuardThickness, &at);
@@ -229,15 +228,12 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
             let s = 0.5 * (a + b);
             let along = strand.point(groom, b) - strand.point(groom, a);
             let above = strand.point(groom, s) - strand.root;
-            let opacity = groom.opacity * (-groom.tip_fade * s).exp();
             pieces.push(Piece {
                 height: above.dot(strand.normal).max(0.0),
-                depth: density * along.length() * thickness * diameter(groom, s) * opacity,
+                depth: density * along.length() * thickness * diameter(groom, s) * opacity(groom, s),
                 tangent: Vec3::new(along.dot(side), along.dot(other), along.dot(strand.normal))
                     .normalize_or(Vec3::Z),
-                color: colors[0]
-                    .lerp(colors[1], tip_share(groom.color_transition, s))
-                    .clamp(Vec3::ZERO, Vec3::ONE),
+                color: color_at(groom.color_transition, colors, s),
             });
         }
     }

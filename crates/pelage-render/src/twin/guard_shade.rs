@@ -6,11 +6,12 @@ use glam::Vec3;
 use pelage_core::scene::MultipleModel;
 use pelage_fur::Layer;
 use pelage_fur::fibre::{Angles, Fibre, Hit};
+use pelage_fur::guard_strands::end_colors;
 use pelage_fur::layout::Root;
-use pelage_fur::parameters::{Maps, Parameter, skin_point};
+use pelage_fur::parameters::{Maps, root_point};
 use pelage_fur::random::random;
 use pelage_fur::shell::Located;
-use pelage_fur::strand_curve::tip_share;
+use pelage_fur::strand_curve::color_at;
 use pelage_fur::strands::{position, tangent};
 
 /// Optical depth towards the camera beyond which a vertex is hidden and not shaded.
@@ -35,10 +36,7 @@ pub fn shade(
     strand: &[[f32; 4]],
 ) -> Vec<Shade> {
     let (fur, shell, groom) = (light.fur, light.shell, maps.groom);
-    let lambda = Vec3::new(1.0 - root.lambda[0] - root.lambda[1], root.lambda[0], root.lambda[1]);
-    let at = skin_point(shell, root.prism, lambda);
-    let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6) - 1.0);
-    let ends = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at) * tone);
+    let ends = end_colors(maps, &root_point(shell, root), root.seed);
     let glint_angle = pelage_fur::fibre::glint_angle(random(root.seed, 7));
     let mut place = shell.enter(root.prism);
     let mut inside = true;
@@ -48,7 +46,7 @@ pub fn shade(
         let along = tangent(strand, k);
         let view = (Vec3::from(light.frame.eye) - x).normalize();
         let s = k as f32 / (strand.len() - 1) as f32;
-        let albedo = ends[0].lerp(ends[1], tip_share(groom.color_transition, s)).clamp(Vec3::ZERO, Vec3::ONE);
+        let albedo = color_at(groom.color_transition, ends, s);
         // A strand that leaves the shell over the border of the skin keeps its last place.
         inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
         let cell = cell(fur, &place);

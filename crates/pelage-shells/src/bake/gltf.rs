@@ -24,7 +24,7 @@ mod points;
 pub use points::{Clothed, FinEdge, clothe, fin_edges};
 
 use super::{FurTextures, Manifest, Texture};
-use crate::shellfin::{FIN_SPACING, FIN_TEXELS, stray_variance};
+use crate::shellfin::{FIN_TEXELS, fin_depth, stray_variance};
 use glam::Vec3;
 use pelage_core::scene::{Background, BakeSource, Camera, FinFade, LightingTable, Tonemap};
 use pelage_core::{Error, Result, World, files};
@@ -200,18 +200,6 @@ fn settings(world: &World, manifest: &Manifest) -> (ShellSettings, View) {
     (settings, view)
 }
 
-fn fin_depth(world: &World, clothed: &Clothed, edges: &[FinEdge], manifest: &Manifest) -> f32 {
-    if !world.scene.shells.slanted {
-        return 1.0;
-    }
-    let length = |e: &FinEdge| {
-        let [a, b] = e.ends.map(|i| clothed.positions[i as usize]);
-        f64::from(a.distance(b))
-    };
-    let mean = edges.iter().map(length).sum::<f64>() / edges.len().max(1) as f64;
-    FIN_SPACING * mean as f32 / manifest.fin_depth
-}
-
 /// Directions of the hairs in each layer, as `pelage render` draws the shells.
 fn strays(world: &World, textures: &FurTextures) -> Result<Vec<Stray>> {
     let manifest = &textures.manifest;
@@ -261,10 +249,14 @@ fn document(
         bin.floats(clothed.fur_uv.iter().map(glam::Vec2::to_array)).into();
     let indices = bin.integers(clothed.triangles.as_flattened().iter().map(|i| [*i]));
     bin.target(indices, ELEMENT_ARRAY_BUFFER);
+    let length = |e: &FinEdge| {
+        let [a, b] = e.ends.map(|i| clothed.positions[i as usize]);
+        a.distance(b)
+    };
     let fins = FinAccessors {
         edges: bin.integers(edges.iter().map(|e| [e.ends[0], e.ends[1], e.opposite[0], e.opposite[1]])),
         u: bin.floats(edges.iter().map(|e| e.u)),
-        depth: fin_depth(world, clothed, edges, manifest),
+        depth: fin_depth(&world.scene.shells, manifest, edges.iter().map(length)),
         rows: FIN_TEXELS,
     };
     // Only vertex attributes and indices are uploaded to a GPU unchanged.

@@ -7,55 +7,53 @@ use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3};
-use pelage_core::scene::Guard;
-use pelage_fur::parameters::Parameter;
-use pelage_fur::random::{hash2, random};
-use pelage_fur::strand_curve::{
-    bezier, control_polygon, curl_and_frizz, diameter, leg_directions, rayleigh, tip_share,
-};
-use std::f32::consts::TAU;
+use pelage_fur::guard_strands::{end_colors, opacity, strand_at};
+use pelage_fur::layout::Groom;
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_fur::random::hash2;
+use pelage_fur::strand_curve::{color_at, control_polygon, leg_directions};
+
+/// The point at which every hair grows before it is moved to its root on the torus.
+const UPRIGHT: SkinPoint =
+    SkinPoint { position: Vec3::ZERO, normal: Vec3::Z, uv: Vec2::ZERO, color: Vec3::ONE };
 
 /// The guard hairs of a patch.
-pub(super) struct GuardFur<'a> {
-    guard: &'a Guard,
+pub(super) struct GuardFur {
+    /// The groom at its means, without comb and gravity.
+    groom: Groom,
     count: u32,
     /// Number of hairs that each one represents.
     weight: f32,
+    /// Length before its variation, cm.
     length: f32,
     /// Height of the tip of a combed hair relative to its length.
     rise: f32,
-    thickness: f32,
-    clump: f32,
-    curl: f32,
-    frizz: f32,
-    color_root: Vec3,
-    color_tip: Vec3,
     clumps: ClumpCentres,
     seed: u32,
 }
 
-impl<'a> GuardFur<'a> {
-    /// The guard hairs of `guard` on a torus of `patch` cm; at most `most`, each representing
-    /// several if there are more.
-    pub fn new(guard: &'a Guard, means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
+impl GuardFur {
+    /// The groom's guard hairs on a torus of `patch` cm; at most `most`, each representing several
+    /// if there are more.
+    pub fn new(means: &SkinSamples, patch: f32, seed: u32, most: u32) -> Self {
         let seed = hash2(seed, 0x6775_6172);
         let area = patch * patch;
         let length = means.scalar(Parameter::GuardLength);
         let wanted = if length > 0.0 { means.scalar(Parameter::GuardDensity) * area } else { 0.0 };
         let (count, weight) = whole(wanted, most);
+        let mut groom = means.mean_groom();
+        let rise = rise(&groom, means);
+        groom.comb_direction = [0.0; 3];
+        groom.gravity = 0.0;
+        let clump = &mut groom.parameters[Parameter::GuardClump as usize].value;
+        *clump = clump.map(|strength| strength.min(1.0));
         Self {
-            guard,
+            groom,
             count,
             weight,
             length,
-            rise: rise(guard, means),
-            thickness: means.scalar(Parameter::GuardThickness),
-            clump: means.scalar(Parameter::GuardClump).min(1.0),
-            curl: means.scalar(Parameter::GuardCurl),
-            frizz: means.scalar(Parameter::GuardFrizz),
-            color_root: means.color(Parameter::GuardColorRoot),
-            color_tip: means.color(Parameter::GuardColorTip),
-            clumps: ClumpCentres::new(guard.clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
+            rise,
+            clumps: ClumpCentres::new(groom.clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
             seed,
         }
     }
@@ -89,13 +87,13 @@ impl<'a> GuardFur<'a> {
     }
 }
 
-/// Height of the tip of a hair of length 1, combed and bent as `guard` says, averaged over the
+/// Height of the tip of a hair of length 1, combed and bent as the groom says, averaged over the
 /// skin.
-fn rise(guard: &Guard, means: &SkinSamples) -> f32 {
-    let comb = Vec3::from(guard.comb_direction).normalize_or_zero() * means.scalar(Parameter::GuardComb);
+fn rise(groom: &Groom, means: &SkinSamples) -> f32 {
+    let comb = Vec3::from(groom.comb_direction) * means.scalar(Parameter::GuardComb);
     let mean = means.over_normals(|n| {
         let lean = comb.reject_from_normalized(n);
-        let polygon = control_polygon(n, leg_directions(n, lean, guard.gravity));
+        let polygon = control_polygon(n, leg_directions(n, lean, groom.gravity));
         polygon[2].dot(n) / 3.0
     });
     mean.clamp(0.1, 1.0)
@@ -110,7 +108,7 @@ pub(super) fn whole(wanted: f32, most: u32) -> (u32, f32) {
     (count, wanted / count as f32)
 }
 
-impl HairSource for GuardFur<'_> {
+impl HairSource for GuardFur {
     fn count(&self) -> u32 {
         self.count
     }
@@ -120,39 +118,27 @@ impl HairSource for GuardFur<'_> {
     }
 
     fn hair(&self, i: u32) -> Hair {
-        let g = self.guard;
+        let groom = &self.groom;
         let seed = hash2(hash2(self.seed, 2), i);
         let root = self.root(i);
-        let length = self.length * (1.0 - g.length_variation * random(seed, 0));
-        let spread = g.spread.to_radians().tan() * rayleigh(random(seed, 1));
-        let lean = (spread * Vec2::from_angle(TAU * random(seed, 2))).extend(0.0);
-        let legs = leg_directions(Vec3::Z, lean, 0.0).map(|leg| leg * (length / 3.0));
-        let polygon = control_polygon(Vec3::Z, legs);
-        let pull = if self.clump > 0.0 { self.clump * self.clumps.nearest(root.into()) } else { Vec2::ZERO };
-        let tone = 1.0 + g.color_variation * (2.0 * random(seed, 6) - 1.0);
+        let maps = Maps { groom, texels: &[] };
+        let to_clump = |_| self.clumps.nearest(root.into()).extend(0.0);
+        let mut strand = strand_at(&maps, &UPRIGHT, [Vec3::X, Vec3::Y], seed, to_clump);
+        strand.control = strand.control.map(|p| p * Vec3::new(1.0, 1.0, self.rise));
+        let ends = end_colors(&maps, &UPRIGHT, seed);
         // Finer than the groom's tessellation: strongly bent frizz would show corners in the fin.
-        let segments = g.segments.max(32);
+        let segments = groom.segments.max(32);
         let knots = (0..=segments)
             .map(|k| {
                 let s = k as f32 / segments as f32;
-                let frequencies = [g.curl_frequency, g.frizz_frequency];
-                let [curl, frizz] = curl_and_frizz(seed, length, frequencies, s);
-                let across = pull * (s * s) + self.curl * s * curl + self.frizz * s * frizz;
                 Knot {
-                    offset: bezier(polygon, s) * Vec3::new(1.0, 1.0, self.rise) + across.extend(0.0),
-                    diameter: self.thickness * diameter(g.diameter, g.widest, s) * 1e-4 / self.rise,
-                    opacity: self.weight * g.opacity * (-g.tip_fade * s).exp(),
-                    color: self.color(s, tone),
+                    offset: strand.point(groom, s),
+                    diameter: strand.diameter(groom, s) / self.rise,
+                    opacity: self.weight * opacity(groom, s),
+                    color: color_at(groom.color_transition, ends, s),
                 }
             })
             .collect();
         Hair { root, knots, guard: true }
-    }
-}
-
-impl GuardFur<'_> {
-    fn color(&self, s: f32, tone: f32) -> Vec3 {
-        let blend = tip_share(self.guard.color_transition, s);
-        (self.color_root.lerp(self.color_tip, blend) * tone).clamp(Vec3::ZERO, Vec3::ONE)
     }
 }

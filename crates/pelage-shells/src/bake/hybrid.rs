@@ -18,7 +18,7 @@ const WITHIN: f64 = 0.99;
 
 /// Both layers of a groom, guard hairs first.
 pub(super) struct HybridFur<'a> {
-    guard: Option<GuardFur<'a>>,
+    guard: Option<GuardFur>,
     undercoat: Option<UndercoatFur<'a>>,
 }
 
@@ -26,13 +26,13 @@ impl<'a> HybridFur<'a> {
     /// The fur of `world` on a torus of `patch` cm, as far as `render.fur` draws it.
     pub fn new(world: &'a World, patch: f32) -> Result<Self> {
         let scene = &world.scene;
-        let means = SkinSamples::new(world)?;
+        let means = SkinSamples::new(world);
         let seed = scene.render.seed;
         let texels = scene.bake.resolution.iter().fold(1u32, |n, r| n.saturating_mul(*r));
         let most = texels.saturating_mul(HAIRS_A_TEXEL).clamp(65_536, 1_000_000);
         let combed = Vec3::from(scene.guard.comb_direction).length_squared() > 0.0;
         let guard = (scene.render.fur != FurLayers::Implicit)
-            .then(|| GuardFur::new(&scene.guard, &means, patch, seed, most))
+            .then(|| GuardFur::new(&means, patch, seed, most))
             .filter(|g| g.count() > 0);
         let undercoat = (scene.render.fur != FurLayers::Explicit)
             .then(|| UndercoatFur::new(&scene.undercoat, &means, patch, combed, seed, most))

@@ -1,10 +1,12 @@
 //! Means of groom parameters over the skin: one texture serves all of it.
 
+use crate::shellfin::uv_area;
+use bytemuck::Zeroable;
 use glam::{DVec3, Vec2, Vec3, Vec4};
-use pelage_core::scene::FurLayers;
-use pelage_core::{Result, World};
-use pelage_fur::groom::{self, PackedGroom};
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_core::World;
+use pelage_fur::groom::pack_parameters;
+use pelage_fur::layout::{self, Groom};
+use pelage_fur::parameters::{Maps, Parameter, SkinPoint, triangle_point};
 use pelage_fur::random::{even_barycentric, hash2, r2, random};
 
 /// Approximate number of points of the skin at which maps are read.
@@ -13,53 +15,36 @@ const SAMPLES: usize = 20_000;
 /// Points distributed over the skin by area.
 pub(super) struct SkinSamples<'a> {
     world: &'a World,
-    packed: PackedGroom,
+    groom: Groom,
+    texels: Vec<[u32; 2]>,
     /// Points, each with the area that it represents, cm².
     places: Vec<(SkinPoint, f64)>,
 }
 
 impl<'a> SkinSamples<'a> {
     /// At least one point on each triangle, more on larger ones.
-    ///
-    /// # Errors
-    /// As [`groom::pack`].
     // [Roberts2018], [Turk1990]
-    pub fn new(world: &'a World) -> Result<Self> {
+    pub fn new(world: &'a World) -> Self {
         let skin = &world.skin;
         let total = skin.area().max(1e-30);
         let mut places = Vec::new();
-        for (t, triangle) in skin.triangles.iter().enumerate() {
+        for t in 0..skin.triangles.len() {
             let area = f64::from(skin.triangle_area(t));
             let n = ((area / total * SAMPLES as f64).round() as u32).max(1);
             let seed = hash2(0x6d65_616e, t as u32);
             let start = Vec2::new(random(seed, 0), random(seed, 1));
             for k in 0..n {
                 let lambda = even_barycentric(r2(start, k));
-                let mix = |f: &[Vec3]| {
-                    let [a, b, c] = triangle.map(|v| f[v as usize]);
-                    lambda.x * a + lambda.y * b + lambda.z * c
-                };
-                let uv = skin.corner_uv.as_ref().map_or(Vec2::ZERO, |uv| {
-                    let [a, b, c] = uv[t];
-                    lambda.x * a + lambda.y * b + lambda.z * c
-                });
-                let at = SkinPoint {
-                    position: mix(&skin.positions),
-                    normal: mix(&skin.normals),
-                    uv,
-                    color: mix(&skin.colors),
-                };
+                let at = triangle_point(skin, t, lambda);
                 places.push((at, area / f64::from(n)));
             }
         }
-        // Both layers are baked, whatever else is drawn.
-        let mut whole = world.clone();
-        whole.scene.render.fur = FurLayers::Hybrid;
-        Ok(Self { world, packed: groom::pack(&whole)?, places })
+        let (groom, texels) = pack_parameters(world, &world.scene.undercoat.height);
+        Self { world, groom, texels, places }
     }
 
     fn mean(&self, of: impl Fn(&Maps<'_>, &SkinPoint) -> Vec3) -> Vec3 {
-        let maps = Maps { groom: &self.packed.groom, texels: &self.packed.texels };
+        let maps = Maps { groom: &self.groom, texels: &self.texels };
         let (mut sum, mut area) = (DVec3::ZERO, 0.0);
         for (at, weight) in &self.places {
             sum += *weight * of(&maps, at).as_dvec3();
@@ -68,15 +53,9 @@ impl<'a> SkinSamples<'a> {
         if area > 0.0 { (sum / area).as_vec3() } else { Vec3::ONE }
     }
 
-    /// Whether the skin carries undercoat at all; without it the parameter of its height is the
-    /// renderer's own.
-    pub fn has_undercoat(&self) -> bool {
-        self.packed.undercoat.extinction > 0.0
-    }
-
     /// Mean of a scalar parameter, at least 0.
     pub fn scalar(&self, parameter: Parameter) -> f32 {
-        let constant = &self.packed.groom.parameters[parameter as usize];
+        let constant = &self.groom.parameters[parameter as usize];
         let value = match constant.source {
             0 => constant.value[0] + constant.offset,
             _ => self.mean(|maps, at| Vec3::splat(maps.scalar(parameter, at))).x,
@@ -86,11 +65,38 @@ impl<'a> SkinSamples<'a> {
 
     /// Mean of a colour parameter.
     pub fn color(&self, parameter: Parameter) -> Vec3 {
-        let constant = &self.packed.groom.parameters[parameter as usize];
+        let constant = &self.groom.parameters[parameter as usize];
         match constant.source {
             0 => Vec4::from(constant.value).truncate(),
             _ => self.mean(|maps, at| maps.color(parameter, at)),
         }
+    }
+
+    /// The groom with the parameters of the guard hairs constant at their means.
+    pub fn mean_groom(&self) -> Groom {
+        let mut groom = self.groom;
+        let mut set = |parameter: Parameter, mean: Vec3| {
+            groom.parameters[parameter as usize] = layout::Parameter {
+                value: mean.extend(1.0).to_array(),
+                size: [1; 2],
+                ..layout::Parameter::zeroed()
+            };
+        };
+        for parameter in [
+            Parameter::GuardDensity,
+            Parameter::GuardLength,
+            Parameter::GuardThickness,
+            Parameter::GuardComb,
+            Parameter::GuardClump,
+            Parameter::GuardCurl,
+            Parameter::GuardFrizz,
+        ] {
+            set(parameter, Vec3::splat(self.scalar(parameter)));
+        }
+        for parameter in [Parameter::GuardColorRoot, Parameter::GuardColorTip] {
+            set(parameter, self.color(parameter));
+        }
+        groom
     }
 
     /// Mean of a function of the face normal over the skin's area.
@@ -110,8 +116,7 @@ impl<'a> SkinSamples<'a> {
     /// Length of one unit of uv on the skin, cm; `None` without uv.
     pub fn uv_unit(&self) -> Option<f32> {
         let skin = &self.world.skin;
-        let uv = skin.corner_uv.as_ref()?;
-        let flat: f64 = uv.iter().map(|[a, b, c]| f64::from(0.5 * (*b - *a).perp_dot(*c - *a).abs())).sum();
+        let flat = uv_area(skin)?;
         (flat > 0.0).then(|| (skin.area() / flat).sqrt() as f32)
     }
 }

@@ -1,7 +1,8 @@
 //! Random structures on a torus: noise, clump centres and roots that wrap around.
 
-use glam::Vec2;
+use glam::{IVec3, Vec2};
 use noise::{NoiseFn, Simplex};
+use pelage_fur::guard_strands::nearest_centre;
 use pelage_fur::random::{R2_STEPS, hash2, random};
 use std::f64::consts::TAU;
 
@@ -60,7 +61,6 @@ impl PeriodicNoise {
 }
 
 /// Clump centres: one at a random place in each cell of a grid that wraps around.
-// [Worley1996]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct ClumpCentres {
     /// Cells along u and v.
@@ -82,21 +82,16 @@ impl ClumpCentres {
 
     /// Vector from `uv` (in units of the torus's edges) to the nearest centre, cm.
     pub fn nearest(&self, uv: Vec2) -> Vec2 {
-        let n = Vec2::new(self.cells[0] as f32, self.cells[1] as f32);
+        let [columns, rows] = self.cells.map(|n| n as i32);
+        let n = Vec2::new(columns as f32, rows as f32);
         let at = (uv - uv.floor()) * n;
-        let cell = at.floor();
-        let (mut best, mut least) = (Vec2::ZERO, f32::INFINITY);
-        for (j, i) in (-1..=1).flat_map(|j| (-1..=1).map(move |i| (j, i))) {
-            let c = cell + Vec2::new(i as f32, j as f32);
-            let wrapped = c.rem_euclid(n);
-            let h = hash2(hash2(self.seed, wrapped.x as u32), wrapped.y as u32);
-            let offset = (c + Vec2::new(random(h, 0), random(h, 1)) - at) / n * self.patch;
-            if offset.length_squared() < least {
-                least = offset.length_squared();
-                best = offset;
-            }
-        }
-        best
+        let cell = at.floor().as_ivec2().extend(0);
+        let nearest = nearest_centre(
+            (0..9).map(|i| cell + IVec3::new(i % 3 - 1, i / 3 - 1, 0)),
+            |c| hash2(hash2(self.seed, c.x.rem_euclid(columns) as u32), c.y.rem_euclid(rows) as u32),
+            |place| ((place.truncate() - at) / n * self.patch).extend(0.0),
+        );
+        nearest.truncate()
     }
 }
 

@@ -55,7 +55,8 @@ impl<'a> UndercoatFur<'a> {
         seed: u32,
         most: u32,
     ) -> Self {
-        let height = if means.has_undercoat() { means.scalar(Parameter::UndercoatHeight) } else { 0.0 };
+        let thick = undercoat.diameter[0] > 0.0;
+        let height = if thick { means.scalar(Parameter::UndercoatHeight) } else { 0.0 };
         let wanted =
             if height > 0.0 { means.scalar(Parameter::UndercoatDensity) * patch * patch } else { 0.0 };
         let (count, weight) = whole(wanted, most);

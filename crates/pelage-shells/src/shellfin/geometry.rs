@@ -72,18 +72,22 @@ pub fn edges(skin: &Skin) -> Vec<FinEdge> {
     found.into_values().collect()
 }
 
+/// Area of the skin in its own uv; `None` without uv.
+pub fn uv_area(skin: &Skin) -> Option<f64> {
+    let uv = skin.corner_uv.as_ref()?;
+    Some(uv.iter().map(|[a, b, c]| f64::from((*b - *a).perp_dot(*c - *a).abs()) * 0.5).sum())
+}
+
 /// The skin's own uv, scaled so that one unit is one centimetre on average over the area; `None`
 /// without uv.
 pub fn uv_in_cm(skin: &Skin) -> Option<Vec<[Vec2; 3]>> {
     let uv = skin.corner_uv.as_ref()?;
-    let flat: f64 = uv.iter().map(|[a, b, c]| f64::from((*b - *a).perp_dot(*c - *a).abs()) * 0.5).sum();
-    let scale = (skin.area() / flat.max(1e-12)).sqrt() as f32;
+    let scale = (skin.area() / uv_area(skin)?.max(1e-12)).sqrt() as f32;
     Some(uv.iter().map(|corners| corners.map(|p| p * scale)).collect())
 }
 
-/// Mean length of the edges, cm.
-pub fn mean_edge(skin: &Skin, edges: &[FinEdge]) -> f32 {
+/// Lengths of the edges, cm.
+pub fn lengths(skin: &Skin, edges: &[FinEdge]) -> impl ExactSizeIterator<Item = f32> {
     let at = |v: u32| skin.positions[v as usize];
-    let sum: f64 = edges.iter().map(|e| f64::from(at(e.a).distance(at(e.b)))).sum();
-    (sum / edges.len().max(1) as f64) as f32
+    edges.iter().map(move |e| at(e.a).distance(at(e.b)))
 }

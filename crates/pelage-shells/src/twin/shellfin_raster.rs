@@ -8,6 +8,7 @@ use crate::passes::shellfin_raster::Draws;
 use crate::twin::shellfin_rows::RowVertex;
 use glam::{Vec2, Vec3, Vec4};
 use pelage_core::skin::NONE;
+use pelage_fur::arithmetic::smoothstep;
 use pelage_fur::layout::{FinEdge, Frame, FurCorner, ShellRow, ShellVertex, Shellfin};
 use pelage_fur::random::{hash2, random};
 use pelage_fur::view::sample_ray;
@@ -68,21 +69,6 @@ pub struct Pixel {
     pub depth: f32,
     /// Distance to the nearest edge of any triangle that was tested here, in samples.
     pub margin: f32,
-}
-
-/// Bilinear lookup; wraps along u, and along v if `wrap`.
-pub fn bilinear(texture: &Texture, uv: Vec2, wrap: bool) -> Vec4 {
-    let (w, h) = (texture.width as i64, texture.height as i64);
-    let p = uv * Vec2::new(w as f32, h as f32) - 0.5;
-    let base = p.floor();
-    let f = p - base;
-    let texel = |dx: i64, dy: i64| {
-        let x = (base.x as i64 + dx).rem_euclid(w);
-        let y = base.y as i64 + dy;
-        let y = if wrap { y.rem_euclid(h) } else { y.clamp(0, h - 1) };
-        Vec4::from(texture.texels[(y * w + x) as usize])
-    };
-    texel(0, 0).lerp(texel(1, 0), f.x).lerp(texel(0, 1).lerp(texel(1, 1), f.x), f.y)
 }
 
 /// Opacity of a fin, 0..1, seen from `eye`.
@@ -225,15 +211,15 @@ impl Picture<'_> {
         if self.outlines.get(at.patch as usize).is_some_and(|outline| !contains(outline, place)) {
             return Vec4::ZERO;
         }
-        let whole = bilinear(&self.layers[row.fine as usize], at.uv, true);
+        let whole = self.layers[row.fine as usize].bilinear(at.uv, true);
         let coarse = |textures: &[Texture]| match row.coarse {
             NONE => Vec4::ZERO,
-            layer => bilinear(&textures[layer as usize], at.uv, true),
+            layer => textures[layer as usize].bilinear(at.uv, true),
         };
         let whole = whole.lerp(coarse(self.layers), row.blend);
         let guard = match self.guard_layers {
             [] => Vec4::ZERO,
-            guards => bilinear(&guards[row.fine as usize], at.uv, true).lerp(coarse(guards), row.blend),
+            guards => guards[row.fine as usize].bilinear(at.uv, true).lerp(coarse(guards), row.blend),
         };
         if self.shellfin.slanted == 0 {
             return lit(whole, guard, at);
@@ -243,14 +229,13 @@ impl Picture<'_> {
         let undercoat = spread_sine(at.lean, view, row.jitter);
         let of_guard = spread_sine(at.tangent, view, self.shellfin.spread.powi(2));
         let slant = (undercoat + row.share * (of_guard - undercoat)) / facing.max(0.08);
-        let x = (facing / 0.35).clamp(0.0, 1.0);
-        let edge = x * x * (3.0 - 2.0 * x);
+        let edge = smoothstep(0.0, 0.35, facing);
         slanted(row, lit(whole, guard, at), slant, at) * (1.0 + self.shellfin.edge_fade * (edge - 1.0))
     }
 
     fn fin_color(&self, fade: f32, at: &Varying) -> Vec4 {
-        let whole = bilinear(self.fin[0], at.uv, false);
-        let guard = if self.shellfin.guard == 1 { bilinear(self.fin[1], at.uv, false) } else { Vec4::ZERO };
+        let whole = self.fin[0].bilinear(at.uv, false);
+        let guard = if self.shellfin.guard == 1 { self.fin[1].bilinear(at.uv, false) } else { Vec4::ZERO };
         lit(whole, guard, at) * fade
     }
 

@@ -1,14 +1,14 @@
 //! Twin of `shaders/shellfin_rows.wgsl`: where the hair of a skin vertex passes a row above the
 //! skin, and its light there.
 
-use crate::shellfin::hair_lighting;
+use crate::shellfin::{bent, brush_weight, hair_curve, hair_lighting};
 use glam::{Vec2, Vec3};
 use pelage_core::scene::LightingTable;
 use pelage_fur::fibre::table::MEAN_GLINT;
 use pelage_fur::fibre::{Angles, Fibre, Hit};
 use pelage_fur::layout::{Brush, Frame, FurParameters, Light, ShellRow, ShellVertex, Shellfin};
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint, unpack_color};
-use pelage_fur::strand_curve::{bezier, control_polygon, leg_directions};
+use pelage_fur::strand_curve::{bezier, side_at, sides};
 use pelage_fur::undercoat::scatter;
 use pelage_render::twin::film::halves;
 use std::f32::consts::{FRAC_PI_2, FRAC_PI_4};
@@ -72,8 +72,7 @@ impl Hair<'_> {
         let at = self.point(v).position;
         let strokes = self.brushes[..self.shellfin.brushes as usize].iter();
         strokes.fold(Vec3::ONE, |tint, brush| {
-            let d = at.distance(brush.center.into()) / brush.radius;
-            tint * Vec3::ONE.lerp(brush.tint.into(), (1.0 - d * d).max(0.0).powi(2))
+            tint * Vec3::ONE.lerp(brush.tint.into(), brush_weight(at, brush.center, brush.radius))
         })
     }
 
@@ -86,8 +85,7 @@ impl Hair<'_> {
             lean += Vec3::from(self.maps.groom.comb_direction) * self.maps.scalar(Parameter::GuardComb, &at);
         }
         for brush in &self.brushes[..self.shellfin.brushes as usize] {
-            let d = at.position.distance(brush.center.into()) / brush.radius;
-            lean += (1.0 - d * d).max(0.0).powi(2) * Vec3::from(brush.direction);
+            lean += brush_weight(at.position, brush.center, brush.radius) * Vec3::from(brush.direction);
         }
         lean.reject_from_normalized(at.normal)
     }
@@ -95,18 +93,9 @@ impl Hair<'_> {
     /// Position of the hair at row height `s` relative to its root, in units of the fur's height.
     fn hair(&self, v: usize, s: f32) -> Vec3 {
         let n = Vec3::from(self.vertices[v].normal);
-        let lean = self.lean(v);
-        let mut p = s * (n + lean);
-        if self.shellfin.curved == 1 {
-            let legs = leg_directions(n, lean, self.maps.groom.gravity).map(|leg| leg / 3.0);
-            let polygon = control_polygon(n, legs);
-            let b = bezier(polygon, s) / polygon[2].dot(n).max(0.25);
-            p = b.reject_from_normalized(n) + s * n;
-        }
-        let long = p.length();
-        p += Vec3::from(self.shellfin.bend) * s.powi(3);
-        p *= long / p.length().max(1e-4);
-        p + n * (0.1 * s - p.dot(n)).max(0.0)
+        let gravity = (self.shellfin.curved == 1).then_some(self.maps.groom.gravity);
+        let p = bezier(hair_curve(n, self.lean(v), gravity), s);
+        bent(p, Vec3::from(self.shellfin.bend) * s.powi(3), n, s)
     }
 
     fn tau(&self, v: usize, height: f32, light: u32) -> f32 {
@@ -153,9 +142,7 @@ impl Hair<'_> {
             undercoat *= self.tint(v);
             return RowVertex { position, tangent, lean, undercoat, guard: undercoat };
         }
-        let aside = if tangent.x.abs() > 0.7 { Vec3::Y } else { Vec3::X };
-        let side = tangent.cross(aside).normalize();
-        let other = tangent.cross(side);
+        let sides = sides(tangent);
         for (j, light) in lights.enumerate() {
             let l = Vec3::from(light.direction);
             let depth = self.tau(v, height, j as u32);
@@ -170,8 +157,7 @@ impl Hair<'_> {
             if self.shellfin.guard == 1 {
                 for k in 0..4 {
                     let turn = FRAC_PI_4 + FRAC_PI_2 * k as f32;
-                    let away = turn.cos() * side + turn.sin() * other;
-                    let t = (tangent + 1.25 * self.shellfin.spread * away).normalize();
+                    let t = (tangent - 1.25 * self.shellfin.spread * side_at(sides, turn)).normalize();
                     let scattered = self.fibre.scatter_far(
                         &Hit { tint: row.guard.into(), glint_angle: MEAN_GLINT, h: 0.0 },
                         &Angles::around(t, l, view),

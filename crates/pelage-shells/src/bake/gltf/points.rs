@@ -2,7 +2,7 @@
 
 use super::Manifest;
 use crate::lapped::Lapped;
-use crate::shellfin::Pose;
+use crate::shellfin::{Pose, bent, brush_weight, hair_curve};
 use glam::{Vec2, Vec3};
 use pelage_core::mesh::topology;
 use pelage_core::scene::{BakeSource, Mapping};
@@ -12,7 +12,6 @@ use pelage_fur::groom;
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
 use pelage_fur::random::{hash2, random};
 use pelage_fur::shell_prisms::{lowered, wanted_heights};
-use pelage_fur::strand_curve::{control_polygon, leg_directions};
 use pelage_fur::surface;
 use std::collections::HashMap;
 
@@ -147,29 +146,17 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
 // As in shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
 fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: Vec3) -> [Vec3; 3] {
     let shells = &world.scene.shells;
-    let strokes = shells.brushes.iter().map(|b| {
-        let d = at.position.distance(b.center.into()) / b.radius;
-        (1.0 - d * d).max(0.0).powi(2) * Vec3::from(b.direction)
-    });
+    let strokes = shells
+        .brushes
+        .iter()
+        .map(|b| brush_weight(at.position, b.center, b.radius) * Vec3::from(b.direction));
     let mut lean = Vec3::from(shells.comb) + strokes.sum::<Vec3>();
     if let Some(maps) = groom {
         lean += Vec3::from(maps.groom.comb_direction) * maps.scalar(Parameter::GuardComb, at);
     }
     lean -= n * n.dot(lean);
-    let points = match groom {
-        Some(maps) => {
-            let legs = leg_directions(n, lean, maps.groom.gravity).map(|leg| leg / 3.0);
-            let polygon = control_polygon(n, legs);
-            polygon.map(|p| (p - n * p.dot(n)) / polygon[2].dot(n).max(0.25))
-        }
-        None => [lean / 3.0, lean * (2.0 / 3.0), lean],
-    };
-    // Control points at evenly spaced heights make height proportional to the parameter.
-    let [p1, p2, p3] = [0, 1, 2].map(|k| points[k] + n * ((k + 1) as f32 / 3.0));
-    // A bent hair keeps its length.
-    let bent = p3 + bend;
-    let p3 = bent * (p3.length() / bent.length().max(1e-4));
-    [p1, p2, p3 + n * (0.1 - p3.dot(n)).max(0.0)]
+    let [p1, p2, p3] = hair_curve(n, lean, groom.map(|maps| maps.groom.gravity));
+    [p1, p2, bent(p3, bend, n, 1.0)]
 }
 
 /// All edges once each (an edge of more than two faces once per face), in the order of faces. Each

@@ -1,11 +1,10 @@
 //! Perspective drawings for figures, on the CPU: triangles, thick lines, and textured quads with a
 //! depth buffer.
 
-use glam::{DVec3, Vec2, Vec3, Vec4};
+use glam::{DVec3, Vec2, Vec3};
 use pelage_core::film::Film;
 use pelage_core::scene::Camera;
 use pelage_shells::bake::Texture;
-use pelage_shells::twin::shellfin_raster;
 
 /// Samples along a pixel's side.
 const SAMPLES: usize = 3;
@@ -117,7 +116,7 @@ impl Canvas {
         for t in [[a, b, c], [a, c, d]] {
             self.cover(t.map(|(p, _)| p), 1e-3, |canvas, i, w, _| {
                 let uv = w.x * t[0].1 + w.y * t[1].1 + w.z * t[2].1;
-                let texel = bilinear(texture, uv, wrap_v);
+                let texel = texture.bilinear(uv, wrap_v);
                 canvas.colors[i] = canvas.colors[i] * (1.0 - texel.w) + texel.truncate();
             });
         }
@@ -168,14 +167,6 @@ impl Canvas {
     }
 }
 
-/// A texture's premultiplied colour at texture coordinates, interpolated bilinearly.
-pub(super) fn bilinear(texture: &Texture, uv: Vec2, wrap_v: bool) -> Vec4 {
-    if texture.texels.is_empty() {
-        return Vec4::ZERO;
-    }
-    shellfin_raster::bilinear(texture, uv, wrap_v)
-}
-
 /// Flat shading of a triangle, lit from above the camera: a factor of 0.45 to 1.
 pub(super) fn shade(corners: [Vec3; 3], eye: Vec3) -> f32 {
     let [a, b, c] = corners;
@@ -187,6 +178,7 @@ pub(super) fn shade(corners: [Vec3; 3], eye: Vec3) -> f32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use glam::Vec4;
 
     fn canvas() -> Canvas {
         Canvas::new(&Camera { eye: [0.0, 0.0, 10.0], fov: 53.130_1, ..Camera::default() }, [40, 20])
@@ -232,8 +224,8 @@ mod tests {
     #[test]
     fn textures_wrap_and_are_interpolated() {
         let texture = Texture { width: 2, height: 1, texels: vec![[0.0; 4], [1.0; 4]] };
-        assert_eq!(bilinear(&texture, Vec2::new(0.25, 0.5), true), Vec4::ZERO);
-        assert_eq!(bilinear(&texture, Vec2::new(0.5, 0.5), true), Vec4::splat(0.5));
-        assert_eq!(bilinear(&texture, Vec2::new(1.0, 0.5), true), Vec4::splat(0.5), "across the edge");
+        assert_eq!(texture.bilinear(Vec2::new(0.25, 0.5), true), Vec4::ZERO);
+        assert_eq!(texture.bilinear(Vec2::new(0.5, 0.5), true), Vec4::splat(0.5));
+        assert_eq!(texture.bilinear(Vec2::new(1.0, 0.5), true), Vec4::splat(0.5), "across the edge");
     }
 }
