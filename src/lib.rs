@@ -9,9 +9,9 @@
 //! [`World`]: the mesh, repaired, scaled and smoothed, as a [`Skin`]; the lights, including those
 //! that replace an environment map; and the groom's maps.
 //!
-//! [`render::render`] opens an adapter, uploads the groom, and prepares all that does not depend on
-//! the tile: the prism shell, the undercoat's densities, the optical-depth lattice and, if they fit
-//! the memory budget, the shaded strands. The remaining passes run once per tile: the nearest
+//! [`render::render()`] opens an adapter, uploads the groom, and prepares all that does not depend
+//! on the tile: the prism shell, the undercoat's densities, the optical-depth lattice and, if they
+//! fit the memory budget, the shaded strands. The remaining passes run once per tile: the nearest
 //! triangles of the skin, the entries of rays into the shell, the fragments of strands, and the
 //! resolve pass, which sorts the fragments of a sample and marches the undercoat between them. A
 //! reconstruction filter turns samples into pixels.
@@ -97,7 +97,7 @@ pub mod film {
     pub use pelage_core::film::{Film, Metadata, Plane, composite, depth_of_field, io, tonemap};
 }
 
-/// Rendering of a [`World`](crate::World): hybrid fur, or shells and fins if the scene asks for
+/// Rendering of a [`World`]: hybrid fur, or shells and fins if the scene asks for
 /// them.
 pub mod render {
     pub use pelage_core::animation;
