@@ -31,7 +31,7 @@ const SCHEMA: &str = "manifest.schema.json";
 pub enum Format {
     /// One PNG file for each layer and fin.
     Png,
-    /// One OpenEXR file for each layer and fin; the only format that [`load`] reads.
+    /// One OpenEXR file for each layer and fin; the only format that can be read back.
     Exr,
     /// Uncompressed KTX 2.0: the layers as an array with all mip levels, and the fin.
     Ktx2,
