@@ -72,8 +72,20 @@ impl MapSet {
     }
 }
 
+/// Whether a parameter of the groom is read from the vertex colours.
+pub fn uses_vertex_color(scene: &Scene) -> bool {
+    names_of(scene).iter().any(|(name, _)| *name == VERTEX_COLOR)
+}
+
 /// The images that the groom names, with repetitions, and whether each is read as a colour.
 fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
+    let mut maps = names_of(scene);
+    maps.retain(|(name, _)| *name != VERTEX_COLOR);
+    maps
+}
+
+/// As [`maps_of`], with vertex colours.
+fn names_of(scene: &Scene) -> Vec<(&str, bool)> {
     let (guard, undercoat) = (&scene.guard, &scene.undercoat);
     let scalars = [
         &guard.density,
@@ -106,7 +118,6 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
             maps.push((m.map.as_str(), true));
         }
     }
-    maps.retain(|(name, _)| *name != VERTEX_COLOR);
     maps
 }
 
