@@ -16,6 +16,7 @@ mod figure;
 mod frames;
 mod interrupt;
 mod lapped;
+mod new;
 mod output;
 mod progress;
 mod reference;
@@ -60,6 +61,8 @@ struct Global {
 enum Command {
     /// Render a scene to PNG or EXR files
     Render(render::RenderArgs),
+    /// Write a commented scene file for a mesh, with the camera and lights that suit it
+    New(new::NewArgs),
     /// Path trace a scene's ground truth on the CPU, with every hair as a strand; needs no GPU
     Reference(reference::ReferenceArgs),
     /// Print the resolved scene with counts and a memory estimate; needs no GPU
@@ -115,6 +118,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
     }
     match &cli.command {
         Command::Render(args) => render::run(args, &cli.global),
+        Command::New(args) => new::run(args, &cli.global),
         Command::Reference(args) => reference::run(args, &cli.global),
         Command::Check(args) => check::run(args, &cli.global),
         Command::Schema => schema::run(),

@@ -82,8 +82,8 @@ pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 /// Scene files: their values, overrides, and JSON schema.
 pub mod scene {
     pub use pelage_core::scene::{
-        Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, FurLayers, Override,
-        Scalar, Storage, Tonemap, json_schema,
+        Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, Framing, FurLayers,
+        Override, Scalar, Storage, Tonemap, Units, UpAxis, json_schema, template,
     };
 }
 

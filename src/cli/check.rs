@@ -53,11 +53,11 @@ const SUBELEMENT: u64 = 4;
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    output::print_notes(&world.notes, global.quiet);
     let counts = counts(&world);
     let bytes = bytes(&world, &counts);
     if args.json {
-        let notes = &world.skin.notes;
+        let notes = &world.notes;
         return output::print_json(&serde_json::json!({
             "scene": world.scene, "counts": counts, "bytes": bytes, "notes": notes,
         }));

@@ -17,7 +17,6 @@ pub mod topology;
 mod up;
 mod write;
 
-pub(crate) use kind::kind_of_head as kind_of_content;
 pub use kind::{MeshKind, kind_of};
 pub use read::{Limits, read};
 pub use repair::smoothed_normals;

@@ -18,8 +18,10 @@ pub mod preset;
 mod rules;
 mod schema;
 mod shellfin;
+mod template;
 mod tree;
 
-pub use load::Override;
+pub use load::{DEFAULT_PRESET, Override};
 pub use model::*;
 pub use schema::json_schema;
+pub use template::template;

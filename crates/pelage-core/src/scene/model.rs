@@ -181,6 +181,9 @@ pub struct MeshSpec {
     pub translate: [f32; 3],
     /// Move the centre of the bounding box to the origin first.
     pub center: bool,
+    /// Where the body faces, in world space. The comb directions of a coat are written for a body
+    /// that faces -z, and turn with it; by default they stay as they are.
+    pub front: Option<Front>,
     /// Report faults of the mesh as errors instead of repairing them.
     pub strict: bool,
     /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals.
@@ -247,6 +250,26 @@ pub enum ColorSpace {
     Srgb,
 }
 
+/// The direction in which a body faces, in world space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Front {
+    /// Guessed: along its longer horizontal side, towards the higher end.
+    #[serde(rename = "auto")]
+    Auto,
+    /// +x.
+    #[serde(rename = "x")]
+    X,
+    /// -x.
+    #[serde(rename = "-x")]
+    NegativeX,
+    /// +z.
+    #[serde(rename = "z")]
+    Z,
+    /// -z.
+    #[serde(rename = "-z")]
+    NegativeZ,
+}
+
 /// Built-in shapes. Sizes in cm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -273,13 +296,20 @@ pub enum Shape {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
+    /// Whether position and target are given or chosen from the skin; by default chosen if neither
+    /// `eye` nor `target` is given.
+    pub frame: Framing,
+    /// Where the camera stands if `frame = "auto"`: azimuth about +y, from +z towards +x, and
+    /// elevation, degrees; by default three-quarters from the front, a little from above.
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub view: Option<[f32; 2]>,
     /// Position of the camera, cm.
     pub eye: [f32; 3],
     /// The point that the camera looks at, cm.
     pub target: [f32; 3],
     /// Up direction.
     pub up: [f32; 3],
-    /// Vertical field of view, degrees.
+    /// Vertical field of view, degrees; 20, that of a portrait lens, if `frame = "auto"`.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub fov: f32,
     /// Distance of the near plane, cm.
@@ -287,6 +317,17 @@ pub struct Camera {
     pub near: f32,
     /// Depth of field, if any.
     pub lens: Option<Lens>,
+}
+
+/// How the camera's position and target are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Framing {
+    /// By `eye` and `target`.
+    #[default]
+    Given,
+    /// So that the whole fur is in the picture, seen from the direction `view`.
+    Auto,
 }
 
 /// Depth of field.

@@ -1,7 +1,7 @@
 //! Rules beyond types and ranges: values that depend on each other, and files that must exist.
 
 use super::{
-    Background, Scalar, Scene, check,
+    Background, Camera, Framing, Scalar, Scene, check,
     tree::{Node, Sources, Value},
 };
 use crate::SceneFault;
@@ -70,6 +70,26 @@ fn relations(scene: &Scene) -> Vec<Broken> {
     let camera = &scene.camera;
     let view = Vec3::from(camera.target) - Vec3::from(camera.eye);
     let up = Vec3::from(camera.up);
+    let auto = camera.frame == Framing::Auto;
+    let defaults = Camera::default();
+    rule(
+        !auto || (camera.eye == defaults.eye && camera.target == defaults.target),
+        &["camera.frame", "camera.eye", "camera.target"],
+        "camera: frame = \"auto\" chooses eye and target, but one of them is given",
+        "leave out either frame, or eye and target; camera.view chooses the side from which it looks",
+    );
+    rule(
+        auto || camera.view.is_none(),
+        &["camera.view"],
+        "camera.view: found beside eye or target, expected frame = \"auto\"",
+        "leave out eye and target, or view",
+    );
+    rule(
+        !auto || camera.view.is_none_or(|v| v[1].abs() <= 89.0),
+        &["camera.view"],
+        "camera.view: the elevation is more than 89 degrees above or below the horizon",
+        "give [azimuth, elevation] in degrees",
+    );
     rule(
         view.length() > 0.0,
         &["camera.target", "camera.eye"],
@@ -77,7 +97,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "move one of them",
     );
     rule(
-        view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
+        auto || view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
         &["camera.up", "camera.eye", "camera.target"],
         "camera: up is zero or parallel to the viewing direction",
         "choose another up, e.g. [0, 0, 1]",
