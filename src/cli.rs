@@ -17,6 +17,7 @@ mod frames;
 mod interrupt;
 mod lapped;
 mod output;
+mod preview;
 mod progress;
 mod reference;
 mod render;
