@@ -315,6 +315,7 @@ fn to_samples(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
     let d = textureLoad(depth_target, xy, 0);
     let z = select(NO_BASE, frame.near / max(d, 1e-12), d > 0.0);
     let packed = pack_film_sample(FilmSample(vec3f(0.0), c.rgb, vec3f(0.0), 1.0 - c.a, z, 0u, 0u));
-    samples[2u * i] = packed[0];
-    samples[2u * i + 1u] = packed[1];
+    let at = sample_vector(i);
+    samples[at] = packed[0];
+    samples[at + 1u] = packed[1];
 }

@@ -18,6 +18,7 @@ mod interrupt;
 mod lapped;
 mod new;
 mod output;
+mod preview;
 mod progress;
 mod reference;
 mod render;

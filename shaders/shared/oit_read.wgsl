@@ -1,6 +1,8 @@
 // Reads the lists of shared/oit in order. Needs: fragment_lists (array<u32>, read); shared/oit.
 
 #import shared/halves
+#import shared/octahedral
+#import shared/record
 
 const BATCH: u32 = 24u;
 
@@ -17,6 +19,16 @@ struct Batch {
 fn node_color(node: u32) -> vec4f {
     let at = node_word(node);
     return unpack_half4(vec2u(fragment_lists[at + NODE_COLOR], fragment_lists[at + NODE_COLOR + 1u]));
+}
+
+// With FEATURES: albedo of a node's hairs.
+fn node_albedo(node: u32) -> vec3f {
+    return unpack_albedo(fragment_lists[node_word(node) + NODE_ALBEDO]);
+}
+
+// With FEATURES: direction of a node's hairs, from root to tip.
+fn node_tangent(node: u32) -> vec3f {
+    return unpack_direction(fragment_lists[node_word(node) + NODE_TANGENT]);
 }
 
 // Collects the nodes that follow (z_after, source_after), by insertion sort. Lists longer than a

@@ -3,16 +3,21 @@
 use super::args::{self, SceneArgs};
 use super::frames::{self, Frames};
 use super::output::{self, count, human_bytes};
+use super::preview::{Preview, title};
 use super::progress::Display;
 use super::{Global, interrupt};
 use clap::Args;
 use pelage::assets::Assets;
-use pelage::film::{Metadata, composite, depth_of_field, io};
-use pelage::render::{self, RenderOptions, Stats, animation};
+use pelage::film::composite::Backdrop;
+use pelage::film::tev::{self, Tev};
+use pelage::film::{Film, Metadata, depth_of_field, io};
+use pelage::render::{self, RenderOptions, Stats, animation, mattes};
+use pelage::scene::FurLayers;
 use pelage::{Error, Result, Scene, World};
 use pelage_core::files;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::time::Duration;
 
 #[derive(Debug, Args)]
 pub(super) struct RenderArgs {
@@ -29,6 +34,15 @@ pub(super) struct RenderArgs {
     /// --stats. Frames are independent of each other
     #[arg(long, value_name = "N|A..B", value_parser = frames::frames)]
     frames: Option<Frames>,
+    /// Refresh the output files while rendering, at most every so many seconds [3]; they then hold the
+    /// finished tiles, without depth of field as a post-process
+    #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true,
+          default_missing_value = "3", value_parser = clap::value_parser!(u16).range(1..))]
+    preview: Option<u16>,
+    /// Show the picture in the viewer tev while rendering and when it is finished
+    #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
+          default_missing_value = tev::ADDRESS)]
+    tev: Option<String>,
     /// Write the statistics to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -90,12 +104,32 @@ fn picture(
     stats: Option<&Path>,
     cancel: &AtomicBool,
 ) -> Result<()> {
+    // Before rendering, so that a missing plate or viewer is reported early.
+    let backdrop = Backdrop::load(&world.scene, assets)?;
+    let exr = outfile.iter().any(|path| is_exr(path));
+    let tev = match &args.tev {
+        Some(address) => Some(Tev::connect(address, &outfile.first().map_or("pelage".into(), |p| title(p)))?),
+        None => None,
+    };
+    if exr && world.scene.render.fur == FurLayers::Shells && !global.quiet {
+        eprintln!(
+            "note: shells and fins have no Albedo, N, Tangent, coverage of layers or CryptoLayer in EXR files: \
+             blended, they cannot be separated"
+        );
+    }
+    let files = if args.preview.is_some() { outfile.to_vec() } else { Vec::new() };
+    let previewed = !files.is_empty() || tev.is_some();
+    let interval = Duration::from_secs(args.preview.unwrap_or(1).into());
+    let preview = Preview::new(&world.scene, backdrop.clone(), interval, files, tev);
+    let partial = |film: &Film| preview.offer(film);
     let display = Display::new(global.progress, global.quiet);
     let show = |progress| display.update(progress);
     let options = RenderOptions {
         time,
         crop: args.cropwindow,
-        aovs: outfile.iter().any(|path| is_exr(path)) || world.scene.camera.lens.is_some(),
+        aovs: world.scene.camera.lens.is_some(),
+        features: exr,
+        partial: previewed.then_some(&partial),
         progress: Some(&show),
         cancel: Some(cancel),
     };
@@ -104,11 +138,15 @@ fn picture(
     let mut frame = frame?;
 
     depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
-    composite::over_background(&mut frame.film, &world.scene, assets)?;
-    let metadata = metadata(&world.scene, &frame.stats);
+    let mut metadata = metadata(&world.scene, &frame.stats);
+    if exr {
+        metadata = mattes::add(&mut frame.film, metadata, &world.scene)?;
+    }
+    backdrop.under(&mut frame.film)?;
     for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;
     }
+    preview.finish(&frame.film);
     let json = output::to_json(&frame.stats, "statistics")?;
     if let Some(path) = stats {
         output::write_json(path, &json)?;

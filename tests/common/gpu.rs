@@ -119,8 +119,14 @@ impl Deref for Fixture {
 impl Fixture {
     /// Runs steps 1 to 3.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
+        Self::with_features(gpu, world, false)
+    }
+
+    /// Runs steps 1 to 3 with kernels that make features if `features`.
+    pub fn with_features(gpu: &'static Gpu, world: World, features: bool) -> Self {
         let film = [world.scene.film.width, world.scene.film.height];
-        Self(Arc::new(PreparedWorld::new(gpu, world, film).expect("steps 1 to 3")))
+        let prepared = PreparedWorld::with_features(gpu, world, film, features);
+        Self(Arc::new(prepared.expect("steps 1 to 3")))
     }
 
     /// The first `count` elements of a buffer of the prepared world or of its strands.

@@ -98,7 +98,7 @@ impl Rendering {
         let film = &world.scene.film;
         Self {
             started: Instant::now(),
-            film: planes::blank_film(film.width, film.height, options.aovs),
+            film: planes::blank_film(film.width, film.height, options, world.scene.render.fur),
             timings: Timings::default(),
             stats: Stats::default(),
             done: 0,
@@ -111,7 +111,7 @@ impl Rendering {
         let plan = SamplePlan::new(scene);
         options.report(0.0, "shell_prisms");
         let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
-        let prepared = Prepared::new(gpu, world, &view, &mut self.timings)?;
+        let prepared = Prepared::with_features(gpu, world, &view, options.features, &mut self.timings)?;
         let mut tiles = tile::Tiles::new(&prepared, world, &plan, options)?;
         let jobs = tiles.jobs(options.crop);
         tiles.bin(&jobs, &mut self.timings)?;
@@ -137,6 +137,7 @@ impl Rendering {
             }
             self.done += 1;
             self.stats = tiles.stats.clone();
+            options.show(&self.film);
         }
         options.report(1.0, "film");
         self.finish_stats(gpu);

@@ -43,6 +43,9 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
     for (key, value) in &meta.entries {
         attributes.other.insert(text(&format!("{PREFIX}{key}")), AttributeValue::Text(text(value)));
     }
+    for (name, value) in &meta.attributes {
+        attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
@@ -214,17 +217,22 @@ fn complete(film: &mut Film) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The `pelage.*` attributes, by name.
+/// The `pelage.*` attributes, and those of Cryptomatte, by name.
 pub(super) fn decode_metadata(input: &mut BufReader<File>) -> Result<Metadata, Failure> {
     let mut meta = Metadata::default();
     for header in MetaData::read_from_buffered(input, false)?.headers {
         for (name, value) in &header.own_attributes.other {
             let name = String::from_utf8_lossy(name.as_slice()).into_owned();
-            if let (Some(key), AttributeValue::Text(value)) = (name.strip_prefix(PREFIX), value) {
-                meta = meta.with(key, String::from_utf8_lossy(value.as_slice()));
+            let AttributeValue::Text(value) = value else { continue };
+            let value = String::from_utf8_lossy(value.as_slice());
+            if let Some(key) = name.strip_prefix(PREFIX) {
+                meta = meta.with(key, value);
+            } else if name.starts_with("cryptomatte/") {
+                meta = meta.with_attribute(&name, value);
             }
         }
     }
     meta.entries.sort();
+    meta.attributes.sort();
     Ok(meta)
 }

@@ -139,7 +139,7 @@ pub(crate) fn read_texels(path: &Path, color: bool) -> Result<Texels> {
     Ok((film.width, film.height, texels))
 }
 
-/// Reads the `pelage.*` entries of a PNG or EXR file.
+/// Reads the `pelage.*` entries of a PNG or EXR file, and an EXR file's attributes of Cryptomatte.
 ///
 /// # Errors
 /// As [`read`].

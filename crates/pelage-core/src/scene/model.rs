@@ -270,6 +270,15 @@ pub enum Front {
     NegativeZ,
 }
 
+impl MeshSpec {
+    /// Name of the object: the file without folder and extension, or the shape.
+    pub fn name(&self) -> String {
+        let stem = self.path.as_deref().and_then(|path| std::path::Path::new(path).file_stem());
+        let shape = || toml::Value::try_from(self.shape?).ok()?.as_str().map(str::to_owned);
+        stem.map(|stem| stem.to_string_lossy().into_owned()).or_else(shape).unwrap_or_else(|| "fur".into())
+    }
+}
+
 /// Built-in shapes. Sizes in cm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
