@@ -3,8 +3,8 @@
 // virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored:
 // shell fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's nodes),
-// `base_records`; with FEATURES, the skin's albedo in `samples`. Out: `samples` (shared/film_sample),
-// premultiplied linear RGB; `march_counters`.
+// `base_records`; with FEATURES, the skin's albedo in `samples`.
+// Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;

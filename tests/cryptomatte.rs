@@ -120,7 +120,8 @@ fn too_many_mattes_in_a_pixel_are_counted() {
     let (_, over) = add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
     assert_eq!(over, 1);
     let found = pairs(&film, "CryptoObject", 0);
-    assert_eq!((found.len(), found[0].1), (MOST_RANKS, 0.09));
+    assert_eq!(found.len(), MOST_RANKS);
+    assert!((found[0].1 - 0.09).abs() < 1e-6 && (found[5].1 - 0.04).abs() < 1e-6, "{found:?}");
 }
 
 #[test]

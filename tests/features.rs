@@ -271,7 +271,7 @@ fn shells_keep_only_what_they_know() {
     assert!(position.iter().any(|p| *p != Vec3::ZERO));
 }
 
-/// Depth of field as a post-process blurs what is weighted like a colour, and leaves the rest sharp.
+/// Depth of field as a post-process blurs what is weighted like a colour; the rest stays sharp.
 #[test]
 fn depth_of_field_blurs_albedo_and_coverage_alone() {
     if gpu::open().is_none() {

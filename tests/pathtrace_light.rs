@@ -90,7 +90,8 @@ fn one_hair_shines_and_covers_as_computed() {
     assert!((mean(&film, "guard.R") - mean(&film, "R")).abs() < 1e-6);
     assert_eq!(mean(&film, "undercoat.R"), 0.0);
     // Colour and direction of the hair, and the normal of its ribbon, almost along the view.
-    for (name, wanted) in [("Albedo.R", 0.5), ("Albedo.G", 1.0), ("Albedo.B", 0.25), ("Tangent.X", 1.0), ("N.Z", 1.0)]
+    for (name, wanted) in
+        [("Albedo.R", 0.5), ("Albedo.G", 1.0), ("Albedo.B", 0.25), ("Tangent.X", 1.0), ("N.Z", 1.0)]
     {
         assert!((mean(&film, name) / alpha - wanted).abs() < 2e-3, "{name}");
     }

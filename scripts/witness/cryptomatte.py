@@ -28,8 +28,8 @@ def id_of(name):
 def main():
     path, *wanted = sys.argv[1:]
     with OpenEXR.File(path, separate_channels=True) as file:
-        header = file.header()
-        channels = {name: channel.pixels for name, channel in file.channels().items()}
+        header = dict(file.header())
+        channels = {name: channel.pixels.copy() for name, channel in file.channels().items()}
     keys = [name.split("/")[1] for name in header if name.startswith("cryptomatte/") and name.endswith("/name")]
     assert keys, "no cryptomatte/KEY/name in the header"
     visible = 1 - channels["transmittance.Y"].astype(numpy.float64)

@@ -34,8 +34,8 @@ pub(super) struct RenderArgs {
     /// --stats. Frames are independent of each other
     #[arg(long, value_name = "N|A..B", value_parser = frames::frames)]
     frames: Option<Frames>,
-    /// Refresh the output files while rendering, at most every so many seconds [3]; they then hold the
-    /// finished tiles, without depth of field as a post-process
+    /// Refresh the output files while rendering, at most every so many seconds [3]; they then hold
+    /// the finished tiles, without depth of field as a post-process
     #[arg(long, value_name = "SECONDS", num_args = 0..=1, require_equals = true,
           default_missing_value = "3", value_parser = clap::value_parser!(u16).range(1..))]
     preview: Option<u16>,

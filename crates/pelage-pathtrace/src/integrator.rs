@@ -174,13 +174,7 @@ impl Tracer {
     }
 
     /// Records what the camera ray hits first.
-    fn record_first_hit(
-        &self,
-        sample: &mut PixelSample,
-        hit: &Hit,
-        ray: &Ray,
-        vertex: &Option<Vertex<'_>>,
-    ) {
+    fn record_first_hit(&self, sample: &mut PixelSample, hit: &Hit, ray: &Ray, vertex: &Option<Vertex<'_>>) {
         match (hit, vertex) {
             (Hit::Hair(hair), Some(Vertex::Hair(_, shaded, _, _))) => {
                 sample.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });

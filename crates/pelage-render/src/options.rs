@@ -16,8 +16,8 @@ pub struct RenderOptions<'a> {
     pub features: bool,
     /// Called at the start, before each tile, and at the end.
     pub progress: Option<&'a (dyn Fn(Progress) + Sync)>,
-    /// Called after each tile with the film so far, whose unfinished tiles are empty. Tiles are then
-    /// smaller, but not so small that their borders take more than a hundredth of the work.
+    /// Called after each tile with the film so far, whose unfinished tiles are empty. Tiles are
+    /// then smaller, but not so small that their borders take more than a hundredth of the work.
     pub partial: Option<&'a (dyn Fn(&Film) + Sync)>,
     /// Seconds since the first frame of the animation, for the forces that bend shells and fins. 0:
     /// at rest.

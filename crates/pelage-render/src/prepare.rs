@@ -128,7 +128,7 @@ impl<'g> Prepared<'g> {
         Self::with_features(gpu, world, frame, false, timings)
     }
 
-    /// [`Prepared::new`] with kernels that make albedo, normal, tangent and coverages if `features`.
+    /// [`Prepared::new`]; if `features`, with kernels that make albedo, normal, tangent, coverages.
     ///
     /// # Errors
     /// As [`Prepared::new`].

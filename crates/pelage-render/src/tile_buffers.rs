@@ -36,7 +36,8 @@ pub struct TileBuffers {
     features: bool,
 }
 
-/// Size of `fragment_lists` for `samples` samples and `fragments` fragments without features, bytes.
+/// Size of `fragment_lists` for `samples` samples and `fragments` fragments without features,
+/// bytes.
 pub fn list_bytes(samples: u64, fragments: u64) -> u64 {
     4 * (1 + samples) + FRAGMENT_BYTES * fragments
 }

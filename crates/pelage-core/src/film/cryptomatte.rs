@@ -45,8 +45,8 @@ pub fn id(name: &str) -> f32 {
     f32::from_bits(if exponent == 0 || exponent == 255 { bits ^ (1 << 23) } else { bits })
 }
 
-/// Adds the set called `set` to a film and its description to `meta`. Every pixel's coverages add up
-/// to the sum of the mattes' planes; with negative lobes of the reconstruction filter, negative
+/// Adds the set called `set` to a film and its description to `meta`. Every pixel's coverages add
+/// up to the sum of the mattes' planes; with negative lobes of the reconstruction filter, negative
 /// coverages become 0 and the others are scaled. Returns the metadata and the number of pixels in
 /// which more than [`MOST_RANKS`] mattes lie, and the smallest are left out.
 ///

@@ -1,5 +1,5 @@
-//! Sends pictures to the image viewer tev while they are rendered, by its protocol over TCP: packets
-//! of a length (u32, itself included), an operation (u8) and its arguments, all little-endian; text
+//! Sends pictures to the image viewer tev while they are rendered, by its protocol over TCP:
+//! packets of a length (u32, itself included), an operation (u8) and its arguments, all little-endian; text
 //! ends with a zero byte.
 
 use super::Film;
@@ -8,7 +8,7 @@ use std::io::Write;
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
-/// Where tev listens unless it is told otherwise.
+/// Where tev listens by default.
 pub const ADDRESS: &str = "127.0.0.1:14158";
 
 /// How long to wait for a viewer that does not answer or does not read.
@@ -60,7 +60,7 @@ impl Tev {
     /// Shows `R G B A` of `film`, in place of what was sent before.
     ///
     /// # Errors
-    /// [`Error::Io`] if the viewer has gone; [`Error::Unsupported`] for a film without these planes.
+    /// [`Error::Io`] if the viewer has gone; [`Error::Unsupported`] for a film without them.
     pub fn show(&mut self, film: &Film) -> Result<()> {
         let pixels = film.premultiplied()?;
         let size = [film.width, film.height];

@@ -77,8 +77,8 @@ fn features(words: &[u32]) -> Features {
     }
 }
 
-/// The planes of a pixel, filtered from the samples around it, in double precision. `frame`: that of
-/// the tile.
+/// The planes of a pixel, filtered from the samples around it, in double precision. `frame`: that
+/// of the tile.
 pub fn pixel(frame: &Frame, r: &Reconstruction, samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
     let size = frame.tile_size;
     let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
