@@ -408,7 +408,7 @@ fn ply_and_stl_faults_say_where() {
         ("element face 12", "element face 13", "a.ply"),
         ("element vertex 8", "element vertex 4000000000", "at most"),
         ("element face 12", "element face 60000000", "cut short"),
-        ("property list uchar int vertex_indices", "", "without properties"),
+        ("property list uchar int vertex_indices\n", "", "without properties"),
         ("end_header", "end_heade", "end_header"),
         ("format ascii 1.0", "format klingon 1.0", "a.ply:2"),
         ("property float z", "property float w", "without x, y and z"),
