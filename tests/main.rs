@@ -44,6 +44,7 @@ mod maps;
 mod mesh;
 mod mesh_faults;
 mod mesh_formats;
+mod mesh_sizes;
 mod noise;
 mod pathtrace_curve;
 mod pathtrace_grow;

@@ -25,8 +25,8 @@ pub(super) fn repeated(triangles: &[[u32; 3]], positions: &[Vec3]) -> Vec<bool> 
         .filter(|group| group.len() > 2)
         .map(|group| group[0].key)
         .collect();
-    // Two triangles on both sides of a common edge make a quad. It is there twice if two others make
-    // it on both sides of its other diagonal.
+    // Two triangles on both sides of a common edge make a quad. It is there twice if two others
+    // make it on both sides of its other diagonal.
     let mut quads: Vec<Quad> = Vec::new();
     for group in edges.chunk_by(|a: &Edge, b: &Edge| a.key == b.key).filter(|g| (2..=8).contains(&g.len())) {
         for (i, a) in group.iter().enumerate() {

@@ -54,7 +54,7 @@ pub fn parse(bytes: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
 }
 
 /// The checked document and the binary chunk.
-fn document_of<'a>(bytes: &'a [u8], file: &Path) -> Result<(json::Root, Option<Vec<u8>>)> {
+fn document_of(bytes: &[u8], file: &Path) -> Result<(json::Root, Option<Vec<u8>>)> {
     let fault = |message: String| Error::fault(file, message);
     let (text, blob) = if bytes.starts_with(b"glTF") {
         let version = bytes.get(4..8).map_or(0, |v| u32::from_le_bytes([v[0], v[1], v[2], v[3]]));
