@@ -18,7 +18,8 @@ pub(super) fn print(text: &str) -> Result<()> {
 /// Prints the notes about a mesh to stderr, unless `quiet`.
 pub(super) fn print_notes(skin: &Skin, quiet: bool) {
     if !quiet {
-        skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        let word = |note: &str| if note.starts_with("warning: ") { "" } else { "note: " };
+        skin.notes.iter().for_each(|note| eprintln!("{}{note}", word(note)));
     }
 }
 

@@ -92,7 +92,7 @@ fn signed_volume(mesh: &Mesh, part: &[(usize, bool)]) -> f64 {
 const ENCLOSED: f64 = 0.4;
 
 /// Triangles at which the winding number is taken, and the number of solid angles at most.
-const SAMPLES: usize = 128;
+const SAMPLES: usize = 64;
 const MAX_ANGLES: usize = 1 << 28;
 
 /// How far an open part, with its triangles marked `true` turned over, is wound inwards: -1 for a
