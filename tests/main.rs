@@ -46,6 +46,7 @@ mod maps;
 mod mesh;
 mod mesh_faults;
 mod mesh_formats;
+mod mesh_sizes;
 mod new;
 mod noise;
 mod pathtrace_curve;

@@ -18,7 +18,8 @@ pub(super) fn print(text: &str) -> Result<()> {
 /// Prints notes to stderr, unless `quiet`.
 pub(super) fn print_notes(notes: &[String], quiet: bool) {
     if !quiet {
-        notes.iter().for_each(|note| eprintln!("note: {note}"));
+        let word = |note: &str| if note.starts_with("warning: ") { "" } else { "note: " };
+        notes.iter().for_each(|note| eprintln!("{}{note}", word(note)));
     }
 }
 

@@ -92,8 +92,8 @@ pub fn skin_of(mesh: Mesh) -> Skin {
     repair::repair(mesh).0
 }
 
-/// Reads or builds the mesh that `spec` names, transforms it to world space (cm, +y up) and makes it
-/// a skin. `find` resolves an asset name to a path.
+/// Reads or builds the mesh that `spec` names, transforms it to world space (cm, +y up) and makes
+/// it a skin. `find` resolves an asset name to a path.
 ///
 /// A file without `size`, `scale` and `units` keeps its own unit if it states one that makes
 /// sense, and is made 30 cm long otherwise; a note says so.

@@ -164,10 +164,11 @@ pub struct MeshSpec {
     /// 30 cm long.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<f32>,
-    /// Unit of the file's numbers; where `scale` alone is given, cm.
+    /// Unit of the file's numbers; where `scale` alone is given, cm. Shapes are in cm.
     pub units: Option<Units>,
     /// Axis that points upwards in the file, turned to +y. By default +y; in PLY and STL files,
-    /// which do not say, +y or +z by how the mesh stands, else +y for PLY and +z for STL.
+    /// which do not say, +y or +z by how the mesh stands, else +y for PLY and +z for STL. Shapes
+    /// have +y.
     pub up: Option<UpAxis>,
     /// How vertex colours are encoded; by default those of PLY files with integers are sRGB, all
     /// others linear.
