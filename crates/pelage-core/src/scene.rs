@@ -10,6 +10,7 @@ mod animation;
 mod check;
 mod defaults;
 mod fibre;
+mod groom;
 mod load;
 pub mod model;
 mod output;

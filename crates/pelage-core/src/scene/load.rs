@@ -159,11 +159,13 @@ impl Loader {
         self.frame(&mut tree);
         let (tree, found) = check::check(&self.sources, tree);
         let mut faults = std::mem::take(&mut self.faults);
-        let scene = Scene::deserialize(tree.to_toml()).map_err(|e| {
+        let mut scene = Scene::deserialize(tree.to_toml()).map_err(|e| {
             Error::fault(path, format!("{} (which the schema does not exclude)", e.message()))
         })?;
         faults.extend(rules::broken(&scene, &tree, &self.sources, &found));
         faults.extend(found.into_iter().map(|(_, fault)| fault));
+        scene.schema = None;
+        scene.scale_groom();
         Ok((scene, tree, faults))
     }
 

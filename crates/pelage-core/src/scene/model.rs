@@ -5,6 +5,7 @@
 
 pub use super::animation::*;
 pub use super::fibre::*;
+pub use super::groom::*;
 pub use super::output::*;
 pub use super::shellfin::*;
 use schemars::JsonSchema;
@@ -14,6 +15,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
+    /// The JSON schema that an editor checks this file against; not read. `None` once a scene is
+    /// loaded.
+    #[serde(rename = "$schema", skip_serializing)]
+    pub schema: Option<String>,
     /// Scene files, relative to this one, whose values this file overrides; a later one overrides
     /// an earlier one. Empty once a scene is loaded.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -30,6 +35,9 @@ pub struct Scene {
     pub environment: Option<Environment>,
     /// Material of the skin.
     pub base: BaseMaterial,
+    /// The coat as a whole.
+    #[serde(skip_serializing_if = "GroomSpec::is_one")]
+    pub groom: GroomSpec,
     /// Guard hairs.
     pub guard: Guard,
     /// Undercoat.

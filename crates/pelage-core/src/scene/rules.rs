@@ -2,7 +2,7 @@
 
 use super::{
     Background, Camera, Framing, Scalar, Scene, check,
-    tree::{Node, Sources, Value},
+    tree::{ESCAPE_HELP, Node, Sources, Value},
 };
 use crate::SceneFault;
 use crate::assets::Assets;
@@ -158,8 +158,11 @@ pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> 
     let missing = named.into_iter().filter(|(_, _, name)| assets.find(name).is_err());
     missing
         .map(|(path, node, name)| {
-            let message = format!("{path}: the file \"{name}\" is not there");
-            sources.fault(&node.origin, message, Some(assets.advice()))
+            let message = format!("{path}: the file {name:?} is not there");
+            // "meshes\new.obj" is valid TOML, with a line break in the name.
+            let escaped = name.chars().any(char::is_control);
+            let help = if escaped { ESCAPE_HELP.to_owned() } else { assets.advice() };
+            sources.fault(&node.origin, message, Some(help))
         })
         .collect()
 }
