@@ -21,7 +21,8 @@ pub(super) struct RenderArgs {
     /// Output file, .png or .exr; may be repeated. EXR files hold all planes
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// Render only a part of the film, in 0..1 of its width and height
+    /// Render only a part of the film, in 0..1 of its width and height. Files have the whole film's
+    /// size; outside the part they are transparent, whatever the background
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
     cropwindow: Option<[f32; 4]>,
     /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the
@@ -105,6 +106,9 @@ fn picture(
 
     depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
     composite::over_background(&mut frame.film, &world.scene, assets)?;
+    if let Some(crop) = args.cropwindow {
+        composite::clear_outside(&mut frame.film, crop);
+    }
     let metadata = metadata(&world.scene, &frame.stats);
     for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;

@@ -8,6 +8,7 @@ pub mod composite;
 pub mod depth_of_field;
 pub mod exr;
 pub mod filter;
+mod formats;
 pub mod io;
 mod limits;
 pub mod metadata;
