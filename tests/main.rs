@@ -38,6 +38,7 @@ mod guard_strands;
 mod hair;
 mod hair_roots;
 mod hash;
+mod images;
 mod lapped;
 mod layout;
 mod light;

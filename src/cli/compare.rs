@@ -10,10 +10,10 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 pub(super) struct CompareArgs {
-    /// Image (EXR, PNG or HDR)
+    /// Image (EXR, PNG, HDR, JPEG, TIFF, TGA, BMP or WebP)
     #[arg(value_name = "A")]
     a: PathBuf,
-    /// Reference image (EXR, PNG or HDR)
+    /// Reference image (EXR, PNG, HDR, JPEG, TIFF, TGA, BMP or WebP)
     #[arg(value_name = "B")]
     b: PathBuf,
     /// Write an error image, .png or .exr

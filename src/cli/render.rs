@@ -26,7 +26,8 @@ pub(super) struct RenderArgs {
     /// Output file, .png or .exr; may be repeated. EXR files hold all planes
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// Render only a part of the film, in 0..1 of its width and height
+    /// Render only a part of the film, in 0..1 of its width and height. Files have the whole film's
+    /// size; outside the part they are transparent, whatever the background
     #[arg(long, value_name = "X0,X1,Y0,Y1", value_parser = args::crop)]
     cropwindow: Option<[f32; 4]>,
     /// Render frames of the scene's [animation]: the first N, A..B (both included) or A.. (to the
@@ -143,6 +144,9 @@ fn picture(
         metadata = mattes::add(&mut frame.film, metadata, &world.scene)?;
     }
     backdrop.under(&mut frame.film)?;
+    if let Some(crop) = args.cropwindow {
+        composite::clear_outside(&mut frame.film, crop);
+    }
     for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;
     }

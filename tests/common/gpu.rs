@@ -56,7 +56,7 @@ pub fn image(name: &str, color: bool, side: u32, value: impl Fn(f32, f32) -> [f3
     let centre = |i: u32| (i as f32 + 0.5) / side as f32;
     let texels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
     let texels = texels.map(|(x, y)| value(centre(x), 1.0 - centre(y))).collect();
-    MapImage { name: name.into(), color, width: side, height: side, texels }
+    MapImage { name: name.into(), layer: String::new(), color, width: side, height: side, texels }
 }
 
 /// A skin of triangles as they are: nothing is welded, dropped or turned.

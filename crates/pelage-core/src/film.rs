@@ -9,6 +9,7 @@ pub mod cryptomatte;
 pub mod depth_of_field;
 pub mod exr;
 pub mod filter;
+mod formats;
 pub mod io;
 mod limits;
 pub mod metadata;

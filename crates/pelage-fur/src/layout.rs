@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of directional lights.
-pub const MAX_LIGHTS: usize = 64;
+pub const MAX_LIGHTS: usize = pelage_core::light::MAX_LIGHTS;
 
 /// Words of a node of the fragment lists (`shared/oit.wgsl`): link, depth, kind and id, colour.
 pub const NODE_WORDS: u32 = 5;

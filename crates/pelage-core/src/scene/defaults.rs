@@ -33,12 +33,13 @@ impl Default for Environment {
     fn default() -> Self {
         Self {
             map: String::new(),
+            layer: String::new(),
             lights: 16,
             intensity: 1.0,
             tint: [1.0; 3],
             rotate: 0.0,
             undercoat: true,
-            visible: false,
+            visible: true,
         }
     }
 }

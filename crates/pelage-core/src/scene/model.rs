@@ -29,7 +29,8 @@ pub struct Scene {
     pub mesh: MeshSpec,
     /// The camera.
     pub camera: Camera,
-    /// Directional lights.
+    /// Directional lights; with those of the environment at most 64.
+    #[schemars(length(max = 64))]
     pub lights: Vec<DirectionalLight>,
     /// Image-based light, converted to directional lights.
     pub environment: Option<Environment>,
@@ -72,6 +73,10 @@ pub enum Scalar {
 pub struct ScalarMap {
     /// An image file, or `vertex_color`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    #[serde(default)]
+    pub layer: String,
     /// Which channel is read.
     #[serde(default)]
     pub channel: Channel,
@@ -114,6 +119,10 @@ pub enum Color {
 pub struct ColorMap {
     /// An image file, or `vertex_color`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    #[serde(default)]
+    pub layer: String,
     /// Factor on the texel.
     #[serde(default = "white")]
     #[schemars(inner(range(min = 0.0)))]
@@ -389,8 +398,11 @@ pub struct DirectionalLight {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
-    /// HDR or EXR file; empty for a uniform sky of colour `tint`.
+    /// Image file (HDR or EXR for more than 0..1); empty for a uniform sky of colour `tint`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    pub layer: String,
     /// Number of directional lights that it is converted to, 1..=64.
     #[schemars(range(min = 1, max = 64))]
     pub lights: u32,

@@ -26,7 +26,7 @@ pub struct FilmSpec {
     /// Background colour, linear RGB.
     #[schemars(inner(range(min = 0.0)))]
     pub background_color: [f32; 3],
-    /// Background plate (PNG, HDR or EXR), scaled to cover the film.
+    /// Background plate (any image file that is read as a map), scaled to cover the film.
     pub plate: String,
     /// Exposure, stops.
     #[schemars(range(min = -32.0, max = 32.0))]

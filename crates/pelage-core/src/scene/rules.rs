@@ -6,6 +6,7 @@ use super::{
 };
 use crate::SceneFault;
 use crate::assets::Assets;
+use crate::light;
 use glam::Vec3;
 
 /// A broken rule: the keys that it concerns (the first gives the position), what is wrong, what to
@@ -107,7 +108,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         film.background != Background::Plate || !film.plate.is_empty(),
         &["film.background", "film.plate"],
         "film: background = \"plate\" but film.plate names no image",
-        "set film.plate to a PNG, HDR or EXR file",
+        "set film.plate to an image file",
     );
     rule(
         film.background != Background::Environment || scene.environment.is_some(),
@@ -116,10 +117,24 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "add an [environment] table",
     );
     rule(
+        film.background != Background::Environment || scene.environment.as_ref().is_none_or(|e| e.visible),
+        &["environment.visible", "film.background"],
+        "environment: visible = false but film.background is \"environment\"",
+        "leave visible out, or choose another background",
+    );
+    rule(
         u64::from(film.width) * u64::from(film.height) <= 1 << 29,
         &["film.width", "film.height"],
         "film: found more than 536,870,912 pixels",
         "render parts of it with --cropwindow at a smaller size",
+    );
+    let (given, made) = light::asked(scene);
+    let key = if given > light::MAX_LIGHTS { "lights" } else { "environment.lights" };
+    rule(
+        given.saturating_add(made) <= light::MAX_LIGHTS,
+        &[key, "lights", "environment"],
+        &light::too_many(given, made),
+        "remove the weakest lights, or lower environment.lights",
     );
     let motion = &scene.animation.motion;
     rule(
