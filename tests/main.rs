@@ -17,6 +17,7 @@ mod coverage;
 mod depth_of_field;
 mod determinism;
 mod device_lost;
+mod documents;
 mod edge_table;
 mod export;
 mod faults;

@@ -15,6 +15,11 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage render scenes/default.toml -o fur.png
+  pelage render scenes/default.toml --size 320x200 --spp 1 -o quick.png
+  pelage render scenes/species.toml -D preset=wolf -o wolf.png -o wolf.exr
+  pelage render scenes/default.toml -D animation.turntable=360 --frames 48 -o turn.png")]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,

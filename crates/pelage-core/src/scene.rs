@@ -11,6 +11,7 @@ mod check;
 mod defaults;
 mod fibre;
 mod load;
+mod markdown;
 pub mod model;
 mod output;
 mod overrides;
@@ -21,5 +22,6 @@ mod shellfin;
 mod tree;
 
 pub use load::Override;
+pub use markdown::markdown;
 pub use model::*;
 pub use schema::json_schema;
