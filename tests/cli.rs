@@ -26,7 +26,9 @@ fn help_and_version_are_not_errors() {
 #[test]
 fn every_subcommand_exists() {
     let help = pelage(&["--help"]).out;
-    for name in ["render", "check", "schema", "devices", "export", "bake", "compare", "bench", "figure"] {
+    for name in
+        ["render", "check", "presets", "schema", "devices", "export", "bake", "compare", "bench", "figure"]
+    {
         assert!(help.contains(&format!("  {name} ")), "{name} is not in\n{help}");
         pelage(&[name, "--help"]).expect(0, &[]);
     }
@@ -43,16 +45,48 @@ fn the_schema_is_json() {
 }
 
 #[test]
+fn check_says_what_to_expect() {
+    let text = pelage(&["check", "scenes/default.toml"]).expect(0, &[]).out;
+    let lines: Vec<_> = text.lines().map(|line| line.split_whitespace().next().unwrap_or_default()).collect();
+    assert_eq!(lines, ["body", "guard", "undercoat", "mesh", "picture", "memory", "time"], "{text}");
+    // The body is 20 cm long, its guard hairs 2.1 cm.
+    for part in
+        ["body         20.00 x", "2.1 cm, 10.5 % of the body's largest side", " of 1.0 GiB on the GPU"]
+    {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    let text = pelage(&["check", "scenes/default.toml", "-D", "mesh.size=0.5"]).expect(0, &[]).out;
+    for key in ["guard.length = 2.1 cm is long", "undercoat.height = 1.1 cm is long", "set mesh.size"] {
+        assert!(text.contains(key), "no {key} in {text}");
+    }
+    let text = pelage(&["check", "scenes/default.toml", "-D", "mesh.size=5000"]).expect(0, &[]).out;
+    assert!(text.contains("guard.length = 2.1 cm is short for a body of 5000 cm"), "{text}");
+    let text = pelage(&["check", "scenes/default.toml", "--fur", "base"]).expect(0, &[]).out;
+    assert!(!text.contains("guard hairs") && !text.contains("undercoat"), "{text}");
+}
+
+#[test]
 fn check_prints_the_resolved_scene() {
-    let text = pelage(&["check", "scenes/default.toml", "-D", "camera.fov=31"]).expect(0, &[]).out;
-    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# total"] {
+    let args = ["check", "scenes/default.toml", "--full", "-D", "camera.fov=31"];
+    let text = pelage(&args).expect(0, &[]).out;
+    for part in ["fov = 31", "# body ", "# memory ", "[undercoat.fibre]"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
     // The output is a scene file.
     let folder = Folder::new();
     let resolved = folder.write("resolved.toml", &text);
-    let again = pelage(&["check", &resolved]).expect(0, &[]).out;
+    let again = pelage(&["check", &resolved, "--full"]).expect(0, &[]).out;
     assert_eq!(again, text);
+}
+
+#[test]
+fn check_measures_the_time() {
+    let args = ["check", "tests/data/small.toml", "--json", "--measure"];
+    let time = &json(&pelage(&args).expect(0, &[]).out)["time"];
+    let seconds = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{time}"));
+    let (least, most) = (seconds(&time["total"][0]), seconds(&time["total"][1]));
+    assert!(0.0 < least && least < most, "{time}");
+    assert!(seconds(&time["preparation"]) > 0.0 && time["adapter"].is_string(), "{time}");
 }
 
 #[test]
@@ -64,7 +98,8 @@ fn check_prints_json() {
     assert_eq!(value["scene"]["film"]["height"], 10);
     assert_eq!(value["counts"]["strands"], 0, "the base has no hairs");
     assert!(value["bytes"]["budget"].is_u64());
-    assert!(value["notes"].is_array());
+    assert!(value["notes"].is_array() && value["warnings"].is_array());
+    assert_eq!(value["time"], Value::Null, "nothing was measured");
 }
 
 #[test]

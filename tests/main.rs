@@ -18,6 +18,7 @@ mod cryptomatte;
 mod depth_of_field;
 mod determinism;
 mod device_lost;
+mod documents;
 mod edge_table;
 mod export;
 mod faults;

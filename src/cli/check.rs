@@ -1,18 +1,29 @@
-//! `pelage check`: the resolved scene, with expected counts and memory.
+//! `pelage check`: size, hairs, memory and time to expect; the resolved scene on request.
 
 use super::Global;
 use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
+use pelage::render::{self, RenderOptions};
 use pelage::scene::{FurLayers, Scalar, Storage};
-use pelage::{Error, Result, Scene, World};
+use pelage::{Error, Result, World};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage check scenes/default.toml             size, hairs, memory, warnings
+  pelage check scenes/default.toml --measure   the same, and the time that rendering takes
+  pelage check scenes/default.toml --full > resolved.toml")]
 pub(super) struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Print JSON
+    /// Also print the resolved scene: every key with its value. The output is a scene file
+    #[arg(long, conflicts_with = "json")]
+    full: bool,
+    /// Render a small picture on this adapter and estimate the time of the whole one
+    #[arg(long)]
+    measure: bool,
+    /// Print all of it as JSON
     #[arg(long)]
     json: bool,
 }
@@ -52,24 +63,37 @@ const SUBELEMENT: u64 = 4;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    let world = World::load(scene, &assets)?;
+    let mut world = World::load(scene, &assets)?;
     output::print_notes(&world.notes, global.quiet);
     let counts = counts(&world);
     let bytes = bytes(&world, &counts);
+    let warnings = warnings(&world, &counts);
+    let toml = toml::to_string(&world.scene)
+        .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
     if args.json {
-        let notes = &world.notes;
+        let (scene, notes) = (output::to_json(&world.scene, "scene")?, world.notes.clone());
+        let time = args.measure.then(|| measure(&mut world)).transpose()?;
         return output::print_json(&serde_json::json!({
-            "scene": world.scene, "counts": counts, "bytes": bytes, "notes": notes,
+            "scene": scene, "counts": counts, "bytes": bytes, "notes": notes, "warnings": warnings, "time": time,
         }));
     }
-    output::print(&text(&world.scene, &counts, &bytes)?)
+    let mut text = summary(&world, &counts, &bytes);
+    if args.measure {
+        text += &measure(&mut world)?.text();
+    } else {
+        text += "time         not estimated: --measure renders a small picture to tell\n";
+    }
+    warnings.iter().for_each(|warning| text += &format!("warning      {warning}\n"));
+    if args.full {
+        text = text.lines().map(|line| format!("# {line}\n")).collect();
+        text += &format!("\n{toml}");
+    }
+    output::print(&text)
 }
 
 fn counts(world: &World) -> Counts {
     let (scene, skin) = (&world.scene, &world.skin);
     let area = skin.area();
-    let guard = matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid);
-    let undercoat = matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid);
     let (lo, hi) = skin.bounds();
     Counts {
         vertices: skin.positions.len() as u64,
@@ -78,9 +102,17 @@ fn counts(world: &World) -> Counts {
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
         lights: world.lights.len() as u64,
-        strands: if guard { expected_strands(&scene.guard.density, area) } else { 0 },
-        subelements: if undercoat { subelements(world) } else { 0 },
+        strands: if has_guard(world) { expected_strands(&scene.guard.density, area) } else { 0 },
+        subelements: if has_undercoat(world) { subelements(world) } else { 0 },
     }
+}
+
+fn has_guard(world: &World) -> bool {
+    matches!(world.scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid)
+}
+
+fn has_undercoat(world: &World) -> bool {
+    matches!(world.scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid)
 }
 
 fn expected_strands(density: &Scalar, area: f64) -> u64 {
@@ -114,27 +146,124 @@ fn bytes(world: &World, counts: &Counts) -> Bytes {
     }
 }
 
-fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
-    let toml = toml::to_string(scene)
-        .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
-    let mut text = toml;
-    text += "\n# Expected counts\n";
-    text += &format!("# triangles    {} ({} vertices)\n", count(c.triangles), count(c.vertices));
-    text += &format!("# area         {:.1} cm²\n", c.area);
-    text += &format!("# extent       {:.2} x {:.2} x {:.2} cm\n", c.extent[0], c.extent[1], c.extent[2]);
-    text += &format!("# uv           {}\n", if c.has_uv { "yes" } else { "no: maps are sampled triplanar" });
-    text += &format!("# lights       {}\n", count(c.lights));
-    text += &format!("# strands      {} expected\n", count(c.strands));
-    text += &format!("# subelements  {}\n", count(c.subelements));
-    text += "\n# Estimated GPU memory\n";
-    let rows = [("skin", b.skin), ("strands", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
-    for (name, bytes) in rows {
-        text += &format!("# {name:<12} {}\n", human_bytes(bytes));
+/// The largest side of the body, cm.
+fn largest_side(c: &Counts) -> f32 {
+    c.extent.iter().copied().fold(0.0, f32::max)
+}
+
+/// A length in cm with its share of the body's largest side.
+fn against_body(length: &Scalar, c: &Counts) -> String {
+    let up_to = if matches!(length, Scalar::Constant(_)) { "" } else { "up to " };
+    let share = 100.0 * length.max() / largest_side(c);
+    let share =
+        if share.is_finite() { format!(", {share:.1} % of the body's largest side") } else { String::new() };
+    format!("{up_to}{} cm{share}", length.max())
+}
+
+/// Shares of the body's largest side within which a hair's length is plausible.
+const PLAUSIBLE: std::ops::RangeInclusive<f32> = 0.002..=0.5;
+
+fn warnings(world: &World, c: &Counts) -> Vec<String> {
+    let mut warnings = Vec::new();
+    let side = largest_side(c);
+    let layers = [
+        (has_guard(world), "guard.length", world.scene.guard.length.max()),
+        (has_undercoat(world), "undercoat.height", world.scene.undercoat.height.max()),
+    ];
+    for (key, length) in layers.into_iter().filter_map(|(used, key, length)| used.then_some((key, length))) {
+        if length > 0.0 && side > 0.0 && !PLAUSIBLE.contains(&(length / side)) {
+            let what = if length > side * PLAUSIBLE.start() { "long" } else { "short" };
+            warnings.push(format!(
+                "{key} = {length} cm is {what} for a body of {side} cm: set mesh.size (largest side, cm) or {key}"
+            ));
+        }
     }
-    let fixed = b.skin + b.strands + b.undercoat + b.maps;
-    text += &format!("# total        {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
-    if fixed > b.budget {
-        text += "# over the budget: strands are generated in batches, undercoat densities are evaluated while marching\n";
+    warnings
+}
+
+fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
+    let (scene, [x, y, z]) = (&world.scene, c.extent);
+    let mut text = format!("body         {x:.2} x {y:.2} x {z:.2} cm, skin {:.1} cm²\n", c.area);
+    if has_guard(world) {
+        let length = against_body(&scene.guard.length, c);
+        text += &format!("guard hairs  {}, {length}\n", count(c.strands));
     }
-    Ok(text)
+    if has_undercoat(world) {
+        let height = against_body(&scene.undercoat.height, c);
+        let hairs = count(expected_strands(&scene.undercoat.density, c.area));
+        text += &format!("undercoat    {hairs} hairs in {} subelements, {height}\n", count(c.subelements));
+    }
+    let uv = if c.has_uv { "with uv" } else { "without uv: maps repeat every 10 cm" };
+    text += &format!("mesh         {} triangles, {} vertices, {uv}\n", count(c.triangles), count(c.vertices));
+    let film = &scene.film;
+    let lights = count(c.lights);
+    text += &format!(
+        "picture      {} x {} pixels, {} samples each, {lights} lights\n",
+        film.width, film.height, film.spp
+    );
+    let rows = [("skin", b.skin), ("guard hairs", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
+    let used = rows.iter().filter(|(_, bytes)| *bytes > 0);
+    let parts: Vec<_> = used.map(|(name, bytes)| format!("{name} {}", human_bytes(*bytes))).collect();
+    let total: u64 = rows.iter().map(|(_, bytes)| bytes).sum();
+    let budget = human_bytes(b.budget);
+    text += &format!("memory       {} of {budget} on the GPU: {}\n", human_bytes(total), parts.join(", "));
+    if total > b.budget {
+        text +=
+            "             over the budget: guard hairs are grown again for each tile, undercoat densities\n";
+        text += "             are evaluated while marching; slower, the same picture\n";
+    }
+    text
+}
+
+/// The time to expect, from a small picture.
+#[derive(Debug, Serialize)]
+struct Time {
+    adapter: String,
+    /// Preparation, which does not depend on the picture's size, s.
+    preparation: f64,
+    /// The whole picture, least and most, s.
+    total: [f64; 2],
+}
+
+/// Samples of the picture that is measured.
+const SAMPLES: f64 = 20_000.0;
+
+/// Renders a picture of about [`SAMPLES`] samples. The rest of the picture costs at most as much per
+/// sample, because passes over few samples are dominated by their start, and hardly less than a
+/// third of it.
+fn measure(world: &mut World) -> Result<Time> {
+    let whole = world.scene.film.clone();
+    let film = &mut world.scene.film;
+    let shrink = (SAMPLES / (f64::from(whole.width) * f64::from(whole.height))).sqrt().min(1.0);
+    let side = |pixels: u32| ((f64::from(pixels) * shrink).round() as u32).max(1);
+    (film.width, film.height, film.spp) = (side(whole.width), side(whole.height), 1);
+    let samples = |f: &pelage::scene::FilmSpec| f64::from(f.width) * f64::from(f.height) * f64::from(f.spp);
+    let ratio = samples(&whole) / samples(film);
+    let stats = render::render(world, &RenderOptions::default())?.stats;
+    world.scene.film = whole;
+    // Steps 4 to 7 run for every tile.
+    let tiles: f64 = stats.steps.iter().filter(|s| s.step >= 4).filter_map(|s| s.ms).sum::<f64>() / 1000.0;
+    let preparation = (stats.total_ms / 1000.0 - tiles).max(0.0);
+    let total = [0.8 * preparation + 0.3 * tiles * ratio, 1.3 * (preparation + tiles * ratio)];
+    Ok(Time { adapter: stats.adapter, preparation, total })
+}
+
+impl Time {
+    fn text(&self) -> String {
+        let [least, most] = self.total.map(human_time);
+        let preparation = human_time(self.preparation);
+        format!(
+            "time         {least} to {most} on {} ({preparation} of it before the first tile)\n",
+            self.adapter
+        )
+    }
+}
+
+fn human_time(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
+    }
 }

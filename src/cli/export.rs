@@ -14,6 +14,9 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["strands", "mesh", "to"]))]
+#[command(after_long_help = "Examples:
+  pelage export scenes/default.toml --to blender -o blender/
+  pelage export scenes/default.toml --strands guard.hair --mesh skin.obj")]
 pub(super) struct ExportArgs {
     #[command(flatten)]
     scene: SceneArgs,

@@ -13,6 +13,9 @@ use pelage_core::{files, mesh};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage lapped scenes/default.toml -o patches/
+  pelage lapped cat.obj --radius 1.5 -o patches/")]
 pub(super) struct LappedArgs {
     /// Scene file, or a mesh with default settings
     #[arg(value_name = "SCENE|MESH")]
@@ -26,7 +29,7 @@ pub(super) struct LappedArgs {
     /// Radius of a patch's outline in cm
     #[arg(long, value_name = "CM", help_heading = "Scene overrides")]
     radius: Option<f32>,
-    /// Irregularity of the outline, 0..0.9
+    /// Irregularity of the outline, from 0 (round) to 0.9
     #[arg(long, value_name = "PART", help_heading = "Scene overrides")]
     irregularity: Option<f32>,
     /// Source of the hair's direction field

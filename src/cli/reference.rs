@@ -16,6 +16,10 @@ use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage reference scenes/cylinder.toml -o truth.exr --time 120
+  pelage reference scenes/cylinder.toml -o truth.exr --time 600 --resume    to go on
+  pelage reference scenes/cylinder.toml -o single.exr --integrator single")]
 pub(super) struct ReferenceArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -23,7 +27,7 @@ pub(super) struct ReferenceArgs {
     /// variance, and can be resumed
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// Light transport
+    /// How light is followed
     #[arg(long, value_parser = choice::<Integrator>(), default_value = "path")]
     integrator: Integrator,
     /// Lights: the renderer's directional lights (scene), or the environment itself (map) [default:
@@ -40,7 +44,7 @@ pub(super) struct ReferenceArgs {
     /// Resume from the first EXR output file, if it exists
     #[arg(long)]
     resume: bool,
-    /// Trace only hairs with roots within R cm of a point
+    /// Trace only hairs with roots within R of the point X,Y,Z, all in cm
     #[arg(long, value_name = "X,Y,Z,R", value_parser = patch, allow_hyphen_values = true)]
     patch: Option<Patch>,
     /// Layers to trace

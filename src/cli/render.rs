@@ -20,6 +20,11 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage render scenes/default.toml -o fur.png
+  pelage render scenes/default.toml --size 320x200 --spp 1 -o quick.png
+  pelage render scenes/species.toml -D preset=wolf -o wolf.png -o wolf.exr
+  pelage render scenes/default.toml -D animation.turntable=360 --frames 48 -o turn.png")]
 pub(super) struct RenderArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -145,7 +150,7 @@ fn picture(
     }
     backdrop.under(&mut frame.film)?;
     if let Some(crop) = args.cropwindow {
-        composite::clear_outside(&mut frame.film, crop);
+        pelage::film::composite::clear_outside(&mut frame.film, crop);
     }
     for path in outfile {
         io::write(&frame.film, path, &metadata, &world.scene.film)?;

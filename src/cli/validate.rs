@@ -9,6 +9,9 @@ use pelage_studies::validate::{self, Level};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage validate --quick
+  pelage validate --only furnace -o out/furnace")]
 pub(super) struct ValidateArgs {
     /// Run a few minutes: fewer cases, smaller and noisier images
     #[arg(long, conflicts_with = "full")]

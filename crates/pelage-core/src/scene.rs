@@ -12,6 +12,7 @@ mod defaults;
 mod fibre;
 mod groom;
 mod load;
+mod markdown;
 pub mod model;
 mod output;
 mod overrides;
@@ -23,6 +24,7 @@ mod template;
 mod tree;
 
 pub use load::{DEFAULT_PRESET, Override};
+pub use markdown::markdown;
 pub use model::*;
 pub use schema::json_schema;
 pub use template::template;

@@ -409,7 +409,7 @@ pub struct Environment {
     /// Factor on the radiance.
     #[schemars(range(min = 0.0))]
     pub intensity: f32,
-    /// Colour factor on the radiance.
+    /// Colour factor on the radiance, linear RGB.
     #[schemars(inner(range(min = 0.0)))]
     pub tint: [f32; 3],
     /// Rotation about +y, degrees.
@@ -432,7 +432,7 @@ pub struct BaseMaterial {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Guard {
-    /// Hairs/cm².
+    /// Density, hairs/cm².
     #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Length, cm.
@@ -461,25 +461,25 @@ pub struct Guard {
     /// Comb strength: tangent of the lean; 0: upright.
     #[schemars(extend("minimum" = 0))]
     pub comb: Scalar,
-    /// Random lean of each hair, degrees (standard deviation of the cone).
+    /// Random lean of each hair (standard deviation of the cone), degrees.
     #[schemars(range(min = 0.0, max = 90.0))]
     pub spread: f32,
     /// Pull of the tips towards clump centres, 0..1.
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub clump: Scalar,
-    /// Clump centres/cm².
+    /// Density of clump centres, 1/cm².
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub clump_density: f32,
     /// Curl radius, cm.
     #[schemars(extend("minimum" = 0))]
     pub curl: Scalar,
-    /// Curl turns per cm.
+    /// Turns of the curl, 1/cm.
     #[schemars(range(min = 0.0))]
     pub curl_frequency: f32,
     /// Frizz amplitude, cm.
     #[schemars(extend("minimum" = 0))]
     pub frizz: Scalar,
-    /// Frizz bends per cm.
+    /// Bends of the frizz, 1/cm.
     #[schemars(range(min = 0.0))]
     pub frizz_frequency: f32,
     /// Colour at the root.
@@ -511,7 +511,7 @@ pub struct Guard {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Undercoat {
-    /// Hairs/cm².
+    /// Density, hairs/cm².
     #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Diameter at root and tip, µm.
@@ -531,16 +531,16 @@ pub struct Undercoat {
     pub cell: f32,
     /// Domain of the noise.
     pub noise_domain: NoiseDomain,
-    /// Clump noise: bumps per cm.
+    /// Bumps of the clump noise, 1/cm.
     #[schemars(range(min = 0.0))]
     pub noise_frequency: f32,
-    /// Clump noise: contrast 0..1.
+    /// Contrast of the clump noise, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub noise_contrast: f32,
     /// Spread of the hairs' height, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub height_variation: f32,
-    /// Height noise: bumps per cm.
+    /// Bumps of the height noise, 1/cm.
     #[schemars(range(min = 0.0))]
     pub height_frequency: f32,
     /// Jitter of the noise lookup, growing towards the tips, cm.
@@ -567,7 +567,7 @@ pub struct Undercoat {
     pub forward_scattering: f32,
     /// Whether densities are stored or evaluated.
     pub storage: Storage,
-    /// Step of the march in mean free paths of the densest undercoat.
+    /// Step of the march, mean free paths (of the densest undercoat).
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 10))]
     pub step: f32,
 }
