@@ -4,8 +4,10 @@ use super::Global;
 use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage::scene::{FurLayers, Scalar, Storage};
+use pelage::scene::Storage;
 use pelage::{Error, Result, Scene, World};
+use pelage_fur::extent::Extent;
+use pelage_render::prepare::{lattice_bytes, strand_bytes};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
@@ -38,24 +40,23 @@ struct Bytes {
     skin: u64,
     strands: u64,
     undercoat: u64,
+    lattice: u64,
     maps: u64,
     budget: u64,
 }
 
 // Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners
-// of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
+// of a triangle; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
-const ROOT: u64 = 48;
-const SEGMENT_VERTEX: u64 = 32;
 const SUBELEMENT: u64 = 4;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, true, global.quiet)?;
     let counts = counts(&world);
-    let bytes = bytes(&world, &counts);
+    let bytes = bytes(&world, &counts)?;
     if args.json {
         let notes = &world.skin.notes;
         return output::print_json(&serde_json::json!({
@@ -66,52 +67,31 @@ pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
 }
 
 fn counts(world: &World) -> Counts {
-    let (scene, skin) = (&world.scene, &world.skin);
-    let area = skin.area();
-    let guard = matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid);
-    let undercoat = matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid);
+    let skin = &world.skin;
+    let extent = Extent::of(world);
     let (lo, hi) = skin.bounds();
     Counts {
         vertices: skin.positions.len() as u64,
         triangles: skin.triangles.len() as u64,
-        area,
+        area: extent.area,
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
         lights: world.lights.len() as u64,
-        strands: if guard { expected_strands(&scene.guard.density, area) } else { 0 },
-        subelements: if undercoat { subelements(world) } else { 0 },
+        strands: extent.guard_hairs.round() as u64,
+        subelements: extent.subelements,
     }
 }
 
-fn expected_strands(density: &Scalar, area: f64) -> u64 {
-    (area * f64::from(density.max().max(0.0))).round() as u64
-}
-
-/// Layers times 4^d, with d from the longest edge if the scene does not set it.
-fn subelements(world: &World) -> u64 {
-    let undercoat = &world.scene.undercoat;
-    let layers = u64::from(undercoat.layers);
-    let level = |t: usize| match undercoat.subdivision {
-        Some(d) => d,
-        None => {
-            let [a, b, c] = world.skin.corners(t);
-            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-            (longest / undercoat.cell).log2().ceil().clamp(0.0, 7.0) as u32
-        }
-    };
-    (0..world.skin.triangles.len()).map(|t| layers << (2 * level(t))).sum()
-}
-
-fn bytes(world: &World, counts: &Counts) -> Bytes {
-    let segments = u64::from(world.scene.guard.segments);
+fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
-    Bytes {
+    Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
-        strands: counts.strands * (ROOT + (segments + 1) * SEGMENT_VERTEX),
+        strands: counts.strands * strand_bytes(world.scene.guard.segments),
         undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
+        lattice: lattice_bytes(world)?,
         maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
         budget: world.scene.render.memory,
-    }
+    })
 }
 
 fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
@@ -127,11 +107,17 @@ fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
     text += &format!("# strands      {} expected\n", count(c.strands));
     text += &format!("# subelements  {}\n", count(c.subelements));
     text += "\n# Estimated GPU memory\n";
-    let rows = [("skin", b.skin), ("strands", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
+    let rows = [
+        ("skin", b.skin),
+        ("strands", b.strands),
+        ("undercoat", b.undercoat),
+        ("lattice", b.lattice),
+        ("maps", b.maps),
+    ];
     for (name, bytes) in rows {
         text += &format!("# {name:<12} {}\n", human_bytes(bytes));
     }
-    let fixed = b.skin + b.strands + b.undercoat + b.maps;
+    let fixed = b.skin + b.strands + b.undercoat + b.lattice + b.maps;
     text += &format!("# total        {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
     if fixed > b.budget {
         text += "# over the budget: strands are generated in batches, undercoat densities are evaluated while marching\n";

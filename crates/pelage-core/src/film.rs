@@ -6,6 +6,7 @@
 
 pub mod composite;
 pub mod depth_of_field;
+pub mod exposure;
 pub mod exr;
 pub mod filter;
 pub mod io;
