@@ -104,8 +104,12 @@ pub fn run() -> ExitCode {
         }
     };
     start_logging(cli.global.quiet);
-    match dispatch(&cli) {
+    match interrupt::listen().and_then(|()| dispatch(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Error::Interrupted) => {
+            report(&Error::Interrupted);
+            interrupt::quit()
+        }
         Err(e) => {
             report(&e);
             ExitCode::from(e.exit_code())

@@ -208,3 +208,57 @@ fn a_closed_pipe_is_not_an_error() {
     let run = Run::from(child.wait_with_output().unwrap()).expect(0, &[]);
     assert!(run.err.is_empty(), "{}", run.err);
 }
+
+#[test]
+fn check_estimates_what_the_renderer_prepares() {
+    let folder = Folder::new();
+    // Triangles whose edges ask for more levels of subdivision than there are.
+    let scene =
+        folder.write("scene.toml", "[mesh]\nshape = \"pyramid\"\nsize = 40\n[undercoat]\ncell = 0.0002\n");
+    let value = json(&pelage(&["check", &scene, "--json", "--fur", "implicit"]).expect(0, &[]).out);
+    let triangles = value["counts"]["triangles"].as_u64().unwrap();
+    assert_eq!(value["counts"]["subelements"].as_u64().unwrap(), triangles * 24 * 4u64.pow(6));
+    assert!(value["bytes"]["lattice"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_picture_of_a_few_pixels_holds_all_fragments_of_a_pelt() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    pelage(&["render", "scenes/cylinder.toml", "--size", "4x3", "--spp", "1", "-o", &image]).expect(0, &[]);
+}
+
+#[test]
+fn the_exposure_is_chosen_and_recorded() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let dark = ["--auto-exposure", "-D", "film.background=\"transparent\"", "--size", "40x25", "--spp", "1"];
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image];
+    args.extend(dark);
+    let run = pelage(&args).expect(0, &[]);
+    assert!(run.out.contains("exposure   ") && run.out.contains(" stops"), "{}", run.out);
+    let bytes = std::fs::read(&image).unwrap();
+    assert!(bytes.windows(20).any(|w| w == b"pelage.auto_exposure"), "no metadata");
+    args.extend(["--exposure", "1"]);
+    pelage(&args).expect(2, &["--auto-exposure"]);
+}
+
+#[test]
+fn frames_without_motion_are_noted() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image, "--size", "8x5", "--spp", "1"];
+    args.extend(["--fur", "base", "--frames", "2"]);
+    pelage(&args).expect(0, &["note: nothing moves", "animation.turntable"]);
+    args.extend(["-D", "animation.turntable=90"]);
+    assert!(!pelage(&args).expect(0, &[]).err.contains("nothing moves"));
+}
+
+#[test]
+fn an_empty_picture_is_noted() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image, "--size", "8x5", "--spp", "1"];
+    args.extend(["-D", "camera.eye=[0,0,100]", "-D", "camera.target=[0,0,200]"]);
+    pelage(&args).expect(0, &["note: no part of the fur is in the picture", "note: the picture is empty"]);
+}

@@ -66,8 +66,8 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
         ));
     }
     shells::check_folder(&args.outdir)?;
-    let world = World::load(scene, &assets)?;
-    output::print_notes(&world.notes, global.quiet);
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, false, global.quiet)?;
     let textures = shells::bake(&world)?;
     let metadata = Metadata::of_program()
         .with_scene(&toml::to_string(&world.scene).unwrap_or_default())

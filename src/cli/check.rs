@@ -5,8 +5,10 @@ use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
 use pelage::render::{self, RenderOptions};
-use pelage::scene::{FurLayers, Scalar, Storage};
+use pelage::scene::{Scalar, Storage};
 use pelage::{Error, Result, World};
+use pelage_fur::extent::Extent;
+use pelage_render::prepare::{lattice_bytes, strand_bytes};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
@@ -40,6 +42,7 @@ struct Counts {
     has_uv: bool,
     lights: u64,
     strands: u64,
+    undercoat_hairs: u64,
     subelements: u64,
 }
 
@@ -49,32 +52,30 @@ struct Bytes {
     skin: u64,
     strands: u64,
     undercoat: u64,
+    lattice: u64,
     maps: u64,
     budget: u64,
 }
 
 // Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners
-// of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
+// of a triangle; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
-const ROOT: u64 = 48;
-const SEGMENT_VERTEX: u64 = 32;
 const SUBELEMENT: u64 = 4;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let mut world = World::load(scene, &assets)?;
-    output::print_notes(&world.notes, global.quiet);
+    output::admit(&mut world, true, global.quiet)?;
     let counts = counts(&world);
-    let bytes = bytes(&world, &counts);
-    let warnings = warnings(&world, &counts);
+    let bytes = bytes(&world, &counts)?;
     let toml = toml::to_string(&world.scene)
         .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
     if args.json {
         let (scene, notes) = (output::to_json(&world.scene, "scene")?, world.notes.clone());
         let time = args.measure.then(|| measure(&mut world)).transpose()?;
         return output::print_json(&serde_json::json!({
-            "scene": scene, "counts": counts, "bytes": bytes, "notes": notes, "warnings": warnings, "time": time,
+            "scene": scene, "counts": counts, "bytes": bytes, "notes": notes, "time": time,
         }));
     }
     let mut text = summary(&world, &counts, &bytes);
@@ -83,7 +84,6 @@ pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     } else {
         text += "time         not estimated: --measure renders a small picture to tell\n";
     }
-    warnings.iter().for_each(|warning| text += &format!("warning      {warning}\n"));
     if args.full {
         text = text.lines().map(|line| format!("# {line}\n")).collect();
         text += &format!("\n{toml}");
@@ -92,58 +92,32 @@ pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
 }
 
 fn counts(world: &World) -> Counts {
-    let (scene, skin) = (&world.scene, &world.skin);
-    let area = skin.area();
+    let skin = &world.skin;
+    let extent = Extent::of(world);
     let (lo, hi) = skin.bounds();
     Counts {
         vertices: skin.positions.len() as u64,
         triangles: skin.triangles.len() as u64,
-        area,
+        area: extent.area,
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
         lights: world.lights.len() as u64,
-        strands: if has_guard(world) { expected_strands(&scene.guard.density, area) } else { 0 },
-        subelements: if has_undercoat(world) { subelements(world) } else { 0 },
+        strands: extent.guard_hairs.round() as u64,
+        undercoat_hairs: extent.undercoat_hairs.round() as u64,
+        subelements: extent.subelements,
     }
 }
 
-fn has_guard(world: &World) -> bool {
-    matches!(world.scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid)
-}
-
-fn has_undercoat(world: &World) -> bool {
-    matches!(world.scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid)
-}
-
-fn expected_strands(density: &Scalar, area: f64) -> u64 {
-    (area * f64::from(density.max().max(0.0))).round() as u64
-}
-
-/// Layers times 4^d, with d from the longest edge if the scene does not set it.
-fn subelements(world: &World) -> u64 {
-    let undercoat = &world.scene.undercoat;
-    let layers = u64::from(undercoat.layers);
-    let level = |t: usize| match undercoat.subdivision {
-        Some(d) => d,
-        None => {
-            let [a, b, c] = world.skin.corners(t);
-            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-            (longest / undercoat.cell).log2().ceil().clamp(0.0, 7.0) as u32
-        }
-    };
-    (0..world.skin.triangles.len()).map(|t| layers << (2 * level(t))).sum()
-}
-
-fn bytes(world: &World, counts: &Counts) -> Bytes {
-    let segments = u64::from(world.scene.guard.segments);
+fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
-    Bytes {
+    Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
-        strands: counts.strands * (ROOT + (segments + 1) * SEGMENT_VERTEX),
+        strands: counts.strands * strand_bytes(world.scene.guard.segments, false),
         undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
+        lattice: lattice_bytes(world)?,
         maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
         budget: world.scene.render.memory,
-    }
+    })
 }
 
 /// The largest side of the body, cm.
@@ -160,37 +134,16 @@ fn against_body(length: &Scalar, c: &Counts) -> String {
     format!("{up_to}{} cm{share}", length.max())
 }
 
-/// Shares of the body's largest side within which a hair's length is plausible.
-const PLAUSIBLE: std::ops::RangeInclusive<f32> = 0.002..=0.5;
-
-fn warnings(world: &World, c: &Counts) -> Vec<String> {
-    let mut warnings = Vec::new();
-    let side = largest_side(c);
-    let layers = [
-        (has_guard(world), "guard.length", world.scene.guard.length.max()),
-        (has_undercoat(world), "undercoat.height", world.scene.undercoat.height.max()),
-    ];
-    for (key, length) in layers.into_iter().filter_map(|(used, key, length)| used.then_some((key, length))) {
-        if length > 0.0 && side > 0.0 && !PLAUSIBLE.contains(&(length / side)) {
-            let what = if length > side * PLAUSIBLE.start() { "long" } else { "short" };
-            warnings.push(format!(
-                "{key} = {length} cm is {what} for a body of {side} cm: set mesh.size (largest side, cm) or {key}"
-            ));
-        }
-    }
-    warnings
-}
-
 fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
     let (scene, [x, y, z]) = (&world.scene, c.extent);
     let mut text = format!("body         {x:.2} x {y:.2} x {z:.2} cm, skin {:.1} cm²\n", c.area);
-    if has_guard(world) {
+    if c.strands > 0 {
         let length = against_body(&scene.guard.length, c);
         text += &format!("guard hairs  {}, {length}\n", count(c.strands));
     }
-    if has_undercoat(world) {
+    if c.undercoat_hairs > 0 {
         let height = against_body(&scene.undercoat.height, c);
-        let hairs = count(expected_strands(&scene.undercoat.density, c.area));
+        let hairs = count(c.undercoat_hairs);
         text += &format!("undercoat    {hairs} hairs in {} subelements, {height}\n", count(c.subelements));
     }
     let uv = if c.has_uv { "with uv" } else { "without uv: maps repeat every 10 cm" };
@@ -201,7 +154,13 @@ fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
         "picture      {} x {} pixels, {} samples each, {lights} lights\n",
         film.width, film.height, film.spp
     );
-    let rows = [("skin", b.skin), ("guard hairs", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
+    let rows = [
+        ("skin", b.skin),
+        ("guard hairs", b.strands),
+        ("undercoat", b.undercoat),
+        ("light", b.lattice),
+        ("maps", b.maps),
+    ];
     let used = rows.iter().filter(|(_, bytes)| *bytes > 0);
     let parts: Vec<_> = used.map(|(name, bytes)| format!("{name} {}", human_bytes(*bytes))).collect();
     let total: u64 = rows.iter().map(|(_, bytes)| bytes).sum();

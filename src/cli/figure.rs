@@ -52,5 +52,5 @@ pub(super) fn run(args: &FigureArgs) -> Result<()> {
         check: args.check,
         bless: args.bless,
     };
-    figure::run(&options, interrupt::listen()?)
+    figure::run(&options, interrupt::flag())
 }

@@ -15,8 +15,9 @@ use pelage::render::{self, RenderOptions, Stats, animation, mattes};
 use pelage::scene::FurLayers;
 use pelage::{Error, Result, Scene, World};
 use pelage_core::files;
+use pelage_core::film::exposure;
+use std::cell::Cell;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
 #[derive(Debug, Args)]
@@ -49,6 +50,11 @@ pub(super) struct RenderArgs {
     #[arg(long, value_name = "HOST:PORT", num_args = 0..=1, require_equals = true,
           default_missing_value = tev::ADDRESS)]
     tev: Option<String>,
+    /// Choose the exposure of PNG output: the log-average luminance of the fur and the skin becomes
+    /// middle grey, 0.18, lowered where more than 1 % of them would exceed the highlights (1
+    /// without tone mapping, else 4)
+    #[arg(long, conflicts_with = "exposure")]
+    auto_exposure: bool,
     /// Write the statistics to a JSON file
     #[arg(long, value_name = "FILE.json")]
     stats: Option<PathBuf>,
@@ -75,25 +81,29 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     };
     let first = numbers.as_ref().map(|n| *n.start());
     args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(&named(path, first)))?;
-    let cancel = interrupt::listen()?;
     let mut world = World::load(scene, &assets)?;
-    output::print_notes(&world.notes, global.quiet);
-    if cancel.load(Ordering::SeqCst) {
-        return Err(Error::Interrupted);
-    }
+    output::admit(&mut world, true, global.quiet)?;
+    let exposure = Cell::new(None);
     let Some(numbers) = numbers else {
-        return picture(args, global, &world, 0.0, &assets, &args.outfile, args.stats.as_deref(), cancel);
+        return picture(args, global, &world, 0.0, &assets, &args.outfile, args.stats.as_deref(), &exposure);
     };
     let scene = world.scene.clone();
     let last = *numbers.end();
+    if !global.quiet && first != Some(last) && !animation::moves(&scene) {
+        eprintln!(
+            "note: nothing moves, so all frames are the same picture: set animation.turntable (degrees over \
+             animation.frames frames) or animation.motion.amplitude"
+        );
+    }
     for number in numbers {
         let state = animation::at(&scene, number);
         world.scene.camera = state.camera;
         let outfile: Vec<_> = args.outfile.iter().map(|path| named(path, Some(number))).collect();
         let stats = args.stats.as_ref().map(|path| named(path, Some(number)));
-        picture(args, global, &world, state.time, &assets, &outfile, stats.as_deref(), cancel).inspect_err(
-            |_| eprintln!("frame {number} is not finished; resume with --frames {number}..{last}"),
-        )?;
+        picture(args, global, &world, state.time, &assets, &outfile, stats.as_deref(), &exposure)
+            .inspect_err(|_| {
+                eprintln!("frame {number} is not finished; resume with --frames {number}..{last}")
+            })?;
     }
     Ok(())
 }
@@ -108,7 +118,7 @@ fn picture(
     assets: &Assets,
     outfile: &[PathBuf],
     stats: Option<&Path>,
-    cancel: &AtomicBool,
+    exposure: &Cell<Option<f32>>,
 ) -> Result<()> {
     // Before rendering, so that a missing plate or viewer is reported early.
     let backdrop = Backdrop::load(&world.scene, assets)?;
@@ -129,7 +139,15 @@ fn picture(
     let preview = Preview::new(&world.scene, backdrop.clone(), interval, files, tev);
     let partial = |film: &Film| preview.offer(film);
     let display = Display::new(global.progress, global.quiet);
-    let show = |progress| display.update(progress);
+    let show = |progress: render::Progress| {
+        // Shells and fins count their preparation as a fifth of the work.
+        interrupt::partial(match progress.stage {
+            "shellfin_raster" => progress.done > 0.2,
+            "resolve" | "film" => progress.done > 0.0,
+            _ => false,
+        });
+        display.update(progress);
+    };
     let options = RenderOptions {
         time,
         crop: args.cropwindow,
@@ -137,14 +155,26 @@ fn picture(
         features: exr,
         partial: previewed.then_some(&partial),
         progress: Some(&show),
-        cancel: Some(cancel),
+        cancel: Some(interrupt::flag()),
     };
     let frame = render::render(world, &options);
     display.finish();
     let mut frame = frame?;
+    if args.auto_exposure && exposure.get().is_none() {
+        // The frames of an animation share the first one's, so that they do not flicker.
+        exposure.set(Some(exposure::automatic(&frame.film, &world.scene.film)?));
+    }
+    let mut scene = world.scene.clone();
+    scene.film.exposure = exposure.get().unwrap_or(scene.film.exposure);
+    if frame.complete {
+        output::print_notes_of_film(&frame.film, world, global.quiet)?;
+    }
 
     depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
-    let mut metadata = metadata(&world.scene, &frame.stats);
+    let mut metadata = metadata(&scene, &frame.stats);
+    if let Some(stops) = exposure.get() {
+        metadata = metadata.with("auto_exposure", output::stops(stops));
+    }
     if exr {
         metadata = mattes::add(&mut frame.film, metadata, &world.scene)?;
     }
@@ -153,9 +183,10 @@ fn picture(
         pelage::film::composite::clear_outside(&mut frame.film, crop);
     }
     for path in outfile {
-        io::write(&frame.film, path, &metadata, &world.scene.film)?;
+        io::write(&frame.film, path, &metadata, &scene.film)?;
     }
     preview.finish(&frame.film);
+    interrupt::partial(false);
     let json = output::to_json(&frame.stats, "statistics")?;
     if let Some(path) = stats {
         output::write_json(path, &json)?;
@@ -163,7 +194,7 @@ fn picture(
     if args.json {
         output::print_json(&json)?;
     } else if !global.quiet {
-        output::print(&summary(outfile, &frame.stats))?;
+        output::print(&summary(outfile, &frame.stats, exposure.get()))?;
     }
     match frame.fault {
         Some(fault) => Err(fault),
@@ -183,7 +214,7 @@ fn metadata(scene: &Scene, stats: &Stats) -> Metadata {
 }
 
 /// The statistics as text: the files, counts, and the rows of Andersen et al. 2016, Table 1.
-fn summary(outfile: &[PathBuf], s: &Stats) -> String {
+fn summary(outfile: &[PathBuf], s: &Stats, exposure: Option<f32>) -> String {
     let files: Vec<_> = outfile.iter().map(|p| p.display().to_string()).collect();
     let mut text = format!(
         "{}: {} x {}, {} spp, {} ({}), {:.2} s\n",
@@ -195,6 +226,9 @@ fn summary(outfile: &[PathBuf], s: &Stats) -> String {
         s.blend,
         s.total_ms / 1000.0
     );
+    if let Some(stops) = exposure {
+        text += &format!("exposure   {}\n", output::stops(stops));
+    }
     text += &format!("adapter    {} ({})\n", s.adapter, s.driver);
     text += &format!(
         "geometry   {} triangles, {} strands, {} subelements ({})\n",

@@ -44,7 +44,7 @@ pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
         ..validate::Options::default()
     };
     let display = Display::new(global.progress, global.quiet);
-    let report = validate::run(&options, &|progress| display.update(progress), interrupt::listen()?);
+    let report = validate::run(&options, &|progress| display.update(progress), interrupt::flag());
     display.finish();
     let report = report?;
     if !global.quiet {

@@ -7,6 +7,7 @@
 pub mod composite;
 pub mod cryptomatte;
 pub mod depth_of_field;
+pub mod exposure;
 pub mod exr;
 pub mod filter;
 mod formats;

@@ -62,15 +62,26 @@ pub fn drive(
     run: &Run,
 ) -> Result<Frame> {
     let mut rendering = Rendering::new(world, options);
-    let mut outcome = run(&mut rendering, &open()?, world, options);
+    let gpu = open()?;
+    let mut outcome = run(&mut rendering, &gpu, world, options);
+    close(gpu, options);
     if let Err(Error::DeviceLost { during, reason }) = &outcome {
         tracing::warn!("the GPU device was lost during {during} ({reason}); opening it again");
         // If it does not open, the first loss is reported.
         if let Ok(gpu) = open() {
             outcome = run(&mut rendering, &gpu, world, options);
+            close(gpu, options);
         }
     }
     rendering.end(outcome)
+}
+
+/// Closes a device, which waits for its work. After an interrupt that would take as long as the
+/// work: the device is then left open until the process ends.
+fn close(gpu: Gpu, options: &RenderOptions<'_>) {
+    if options.cancelled() {
+        std::mem::forget(gpu);
+    }
 }
 
 /// Renders `world` by `run` on an open device; if that is lost, the frame holds the finished tiles

@@ -9,6 +9,7 @@ mod tables;
 
 use crate::passes::{Passes, Variant};
 use lattice::Lattice;
+pub use lattice::lattice_bytes;
 use pelage_core::scene::{LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};

@@ -14,6 +14,10 @@ const EXPECTED_FRAGMENTS: u64 = 8;
 /// Fragments per sample beyond which lists get no more room.
 const MOST_FRAGMENTS: u64 = 400;
 
+/// Bytes of lists below which nothing is saved: a tile of a few samples may show the whole fur, and
+/// cannot be split further.
+const SMALL_LISTS: u64 = 64 << 20;
+
 /// Size of the tiles of a rendering.
 pub(super) struct TileSize {
     /// Edge, pixels.
@@ -79,7 +83,7 @@ impl TileSize {
             .saturating_sub(samples * (sample_bytes - 4))
             .min(list_limit)
             .max(samples * 4 + 64)
-            .min(samples * (4 + MOST_FRAGMENTS * fragment_bytes));
+            .min((samples * (4 + MOST_FRAGMENTS * fragment_bytes)).max(SMALL_LISTS));
         Ok(Self { edge, extent, list_bytes })
     }
 }

@@ -109,15 +109,22 @@ fn render_tiles(
         }
         options.report(0.2 + 0.8 * *done as f32 / count as f32, "shellfin_raster");
         let tile = Tile { gpu, world, plan: &plan, planes, job };
-        let pixels = gpu.storage("pixels", 7, tile.pixels() * u64::from(planes) * 4)?;
-        for pass in 0..plan.passes.len() {
-            let frame = tile.frame(pass);
-            if lens {
-                rows = fur.rows(&frame, &pose, timings)?;
+        let mut render = || -> Result<Vec<f32>> {
+            let pixels = gpu.storage("pixels", 7, tile.pixels() * u64::from(planes) * 4)?;
+            for pass in 0..plan.passes.len() {
+                let frame = tile.frame(pass);
+                if lens {
+                    rows = fur.rows(&frame, &pose, timings)?;
+                }
+                tile.render(pass, &frame, &fur, &rows, &pictures, &pixels, timings)?;
             }
-            tile.render(pass, &frame, &fur, &rows, &pictures, &pixels, timings)?;
-        }
-        let data = gpu.read(&pixels, tile.pixels() * u64::from(planes) * 4)?;
+            gpu.read(&pixels, tile.pixels() * u64::from(planes) * 4)
+        };
+        let data = match render() {
+            // An interrupted tile is left out.
+            Err(Error::Interrupted) => return Ok(false),
+            outcome => outcome?,
+        };
         write_tile(job, &data, film);
         *done += 1;
         options.show(film);
