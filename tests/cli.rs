@@ -55,12 +55,8 @@ fn check_says_what_to_expect() {
     {
         assert!(text.contains(part), "no {part} in {text}");
     }
-    let text = pelage(&["check", "scenes/default.toml", "-D", "mesh.size=0.5"]).expect(0, &[]).out;
-    for key in ["guard.length = 2.1 cm is long", "undercoat.height = 1.1 cm is long", "set mesh.size"] {
-        assert!(text.contains(key), "no {key} in {text}");
-    }
-    let text = pelage(&["check", "scenes/default.toml", "-D", "mesh.size=5000"]).expect(0, &[]).out;
-    assert!(text.contains("guard.length = 2.1 cm is short for a body of 5000 cm"), "{text}");
+    let small = ["check", "scenes/default.toml", "-D", "mesh.size=0.5"];
+    pelage(&small).expect(0, &["longest hair has 2.1 cm, more than a quarter", "groom.scale", "mesh.size"]);
     let text = pelage(&["check", "scenes/default.toml", "--fur", "base"]).expect(0, &[]).out;
     assert!(!text.contains("guard hairs") && !text.contains("undercoat"), "{text}");
 }
@@ -98,7 +94,7 @@ fn check_prints_json() {
     assert_eq!(value["scene"]["film"]["height"], 10);
     assert_eq!(value["counts"]["strands"], 0, "the base has no hairs");
     assert!(value["bytes"]["budget"].is_u64());
-    assert!(value["notes"].is_array() && value["warnings"].is_array());
+    assert!(value["notes"].is_array());
     assert_eq!(value["time"], Value::Null, "nothing was measured");
 }
 

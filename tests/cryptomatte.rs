@@ -175,7 +175,10 @@ fn a_rendering_has_mattes_of_layers_and_of_the_object() {
 #[test]
 fn shells_have_the_matte_of_their_object() {
     let folder = Folder::new();
-    let Some((film, meta)) = rendered(&folder, &["--fur", "shells", "-D", "bake.resolution=[32,32]"]) else {
+    let Some((film, meta)) = rendered(
+        &folder,
+        &["--fur", "shells", "-D", "bake.resolution=[32,32]", "-D", "film.background=transparent"],
+    ) else {
         return;
     };
     let key = |name: &str| meta.attributes.iter().any(|(_, value)| value == name);

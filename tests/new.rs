@@ -14,9 +14,12 @@ fn body(folder: &Folder) -> String {
     for p in &mut mesh.positions {
         *p = *p * glam::Vec3::new(0.3, 0.1, 0.1) + glam::Vec3::new(500.0, -80.0, 33.0);
     }
-    let path = folder.at("my body.obj");
-    write_obj(&mesh.into(), path.as_ref()).unwrap();
-    path
+    let written = folder.at("in_cm.obj");
+    write_obj(&mesh.into(), written.as_ref()).unwrap();
+    // Without the comment that names the unit.
+    let text = std::fs::read_to_string(&written).unwrap();
+    let lines = text.lines().filter(|line| !line.starts_with('#')).map(|line| format!("{line}\n"));
+    folder.write("my body.obj", lines.collect::<String>())
 }
 
 fn json(args: &[&str]) -> Value {
@@ -30,7 +33,8 @@ fn new_writes_the_scene_that_the_mesh_renders_as() {
     let flags = ["--preset", "red_fox", "--body-size", "0.4m", "-D", "guard.density=12"];
     let direct = json(&[&["check", "--json", &mesh][..], &flags].concat());
     let scene = folder.at("scene.toml");
-    pelage(&[&["new", &mesh, "-o", &scene][..], &flags].concat()).expect(0, &["scene.toml"]);
+    let run = pelage(&[&["new", &mesh, "-o", &scene][..], &flags].concat()).expect(0, &[]);
+    assert!(run.out.contains("scene.toml"), "{run:?}");
     let written = json(&["check", "--json", &scene]);
     assert_eq!(direct["scene"], written["scene"]);
     assert_eq!(direct["counts"], written["counts"]);

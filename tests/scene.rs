@@ -1,7 +1,7 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
 use crate::common::{self, Folder, cases};
-use pelage_core::scene::{self, Blend, Color, FurLayers, Scalar, Shape, preset};
+use pelage_core::scene::{self, Blend, Color, Framing, FurLayers, Scalar, Shape, preset};
 use pelage_core::{Error, Scene, SceneFault};
 use proptest::prelude::*;
 
@@ -36,6 +36,9 @@ fn a_minimal_scene_has_the_defaults() {
     let scene = parse(MINIMAL, &[]);
     let mut expected = Scene::default();
     expected.mesh.shape = Some(Shape::Sphere);
+    // A camera without a position frames the fur.
+    expected.camera.frame = Framing::Auto;
+    expected.camera.fov = 20.0;
     assert_eq!(scene, expected);
 }
 
@@ -159,7 +162,7 @@ fn inconsistent_values_are_faults() {
         ("path = \"x.obj\"", "both mesh.path and mesh.shape"),
         ("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]", "eye and target are the same"),
         ("[camera]\neye = [0, 5, 0]", "parallel"),
-        ("[camera]\nup = [0, 0, 0]", "up is zero"),
+        ("[camera]\neye = [0, 0, 9]\nup = [0, 0, 0]", "up is zero"),
         ("[film]\nbackground = \"plate\"", "film.plate"),
         ("[film]\nbackground = \"environment\"", "[environment]"),
         ("[[lights]]\ndirection = [0, 0, 0]", "lights.0.direction"),

@@ -135,12 +135,20 @@ fn frame(camera: &mut Camera, [azimuth, elevation]: [f32; 2], aspect: f32, point
     let middle = 0.5 * (nearest + points.iter().map(|p| p.dot(back)).fold(f32::INFINITY, f32::min));
     let at = |depth: f32| (right * x + up * y + back * depth).to_array();
     // Three digits and some more: numbers that a person would write.
-    let unit = 10.0_f32.powf((distance - middle).max(1e-6).log10().floor() - 3.0);
-    let rounded = |v: [f32; 3]| v.map(|x| ((f64::from(x / unit)).round() * f64::from(unit)) as f32);
+    let unit = 10.0_f64.powf(f64::from(distance - middle).max(1e-6).log10().floor() - 3.0);
+    let rounded = |v: [f32; 3]| v.map(|x| rounded(x, unit));
     camera.eye = rounded(at(distance));
     camera.target = rounded(at(middle));
     camera.frame = Framing::Given;
     camera.view = None;
+}
+
+/// The multiple of `unit`, a power of ten, that is nearest to x: with as few decimals as that takes.
+fn rounded(x: f32, unit: f64) -> f32 {
+    let steps = (f64::from(x) / unit).round();
+    // Division by a power of ten is exact to the last digit, multiplication by a tenth is not.
+    let value = if unit < 1.0 { steps / (1.0 / unit).round() } else { steps * unit };
+    (value + 0.0) as f32
 }
 
 /// A warm key light beside the camera, a weak fill on the other side, a rim light from behind and a

@@ -31,8 +31,7 @@ fn backends() -> wgpu::Backends {
     wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY)
 }
 
-/// An instance of these backends only: opening OpenGL, which is not used unless it is asked for,
-/// looks for a display, and the library for it prints an error where there is none.
+/// An instance of these backends only: OpenGL is not opened unless it is asked for.
 fn instance() -> wgpu::Instance {
     let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
     descriptor.backends = backends();

@@ -102,7 +102,11 @@ impl Scene {
 
 fn read_text(path: &Path) -> Result<String> {
     let text = std::fs::read(path).map_err(|e| {
-        Error::fault(path, format!("cannot read the scene file: {e}; example scenes are in scenes/"))
+        let why = match e.kind() {
+            std::io::ErrorKind::NotFound => "the file is not there".to_owned(),
+            _ => format!("cannot be read: {e}"),
+        };
+        Error::fault(path, format!("{why}; expected a scene or a mesh (example scenes are in scenes/)"))
     })?;
     String::from_utf8(text).map_err(|e| {
         let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
