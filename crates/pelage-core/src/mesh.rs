@@ -3,6 +3,7 @@
 pub mod obj;
 mod repair;
 pub mod shapes;
+mod subdivide;
 pub mod topology;
 mod write;
 
@@ -86,7 +87,11 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
             format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
-    place(&mut skin, spec).map_err(|message| Error::fault(name, message))?;
+    let placed = place(&mut skin, spec).and_then(|()| subdivide::check(&skin, spec.subdivide));
+    placed.map_err(|message| Error::fault(name, message))?;
+    for _ in 0..spec.subdivide {
+        skin = subdivide::divided(&skin);
+    }
     Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 
