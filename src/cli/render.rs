@@ -102,6 +102,9 @@ fn picture(
     let frame = render::render(world, &options);
     display.finish();
     let mut frame = frame?;
+    if !global.quiet {
+        output::warn_of_cuts(&frame.stats);
+    }
 
     depth_of_field::apply(&mut frame.film, &world.scene.camera)?;
     composite::over_background(&mut frame.film, &world.scene, assets)?;
@@ -157,14 +160,17 @@ fn summary(outfile: &[PathBuf], s: &Stats) -> String {
         s.storage
     );
     text += &format!(
-        "fragments  {}, at most {} per sample, {} dropped; {} rays lost; {} tiles, {} retried\n",
+        "fragments  {}, at most {} per sample, {} dropped, {} unread; {} rays lost, {} cut; {} tiles, {} retried\n",
         count(s.fragments),
         count(s.fragments_max),
         count(s.fragments_dropped),
+        count(s.fragments_unread),
         count(s.rays_lost),
+        count(s.rays_cut),
         count(s.tiles),
         count(s.tiles_retried)
     );
+    text += &format!("light      {} paths cut\n", count(s.light_paths_cut));
     text += &format!(
         "memory     {} at most, budget {}\n",
         human_bytes(s.gpu_peak_bytes),

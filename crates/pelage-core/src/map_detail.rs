@@ -145,7 +145,8 @@ mod tests {
     /// A plane of two triangles per square of 5 cm, a map of 64 texels with a square hole, and the
     /// notes for it.
     fn noted(scene: &str, texel: fn(u32, u32) -> f32) -> Vec<String> {
-        let scene = Scene::parse(&format!("[mesh]\nshape = \"plane\"\n{scene}"), "test", &[]).expect("a scene");
+        let scene =
+            Scene::parse(&format!("[mesh]\nshape = \"plane\"\n{scene}"), "test", &[]).expect("a scene");
         let corners = [[0.0, 0.0], [1.0, 0.0], [0.0, 1.0], [1.0, 1.0]].map(Vec2::from);
         let triangles = vec![[0, 2, 1], [1, 2, 3]];
         let mesh = crate::mesh::Mesh {
@@ -166,7 +167,10 @@ mod tests {
         let height = "[undercoat]\nheight = { map = \"m.png\" }\n";
         let found = noted(height, hole);
         assert_eq!(found.len(), 1, "{found:?}");
-        assert!(found[0].contains("undercoat.height") && found[0].contains("mesh.subdivide = 5"), "{found:?}");
+        assert!(
+            found[0].contains("undercoat.height") && found[0].contains("mesh.subdivide = 5"),
+            "{found:?}"
+        );
         // A map that triangles can carry gets no note, whatever its size.
         assert!(noted(height, |x, _| x as f32 / 64.0 * 0.2).is_empty());
         assert!(noted(height, |_, _| 1.0).is_empty());

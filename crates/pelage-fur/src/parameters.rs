@@ -120,7 +120,7 @@ impl Maps<'_> {
         match self.groom.parameters[parameter as usize].source {
             1 => at.color.extend(1.0),
             2 => self.bilinear(parameter, at.uv),
-            3 => self.triplanar(parameter, at.position, at.normal),
+            3 => self.triplanar(parameter, at.position - Vec3::from(self.groom.origin), at.normal),
             _ => Vec4::ONE,
         }
     }
