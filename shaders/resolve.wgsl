@@ -3,7 +3,8 @@
 // virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored:
 // shell fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's nodes),
-// `base_records`. Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
+// `base_records`; with FEATURES, the skin's albedo in `samples`.
+// Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
 @group(0) @binding(2) var<uniform> noise: Noise;
@@ -13,7 +14,7 @@
 @group(0) @binding(6) var<storage, read> node_light: array<vec4u>;
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
-@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // two per sample
+@group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // shared/film_sample
 @group(0) @binding(10) var<storage, read_write> march_counters: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
 @group(0) @binding(12) var<uniform> sort_run: SortRun;
@@ -57,6 +58,12 @@ struct Gathered {
     z_sum: f32,         // depth weighted by opacity
     fragments: u32,     // in the list
     read: u32,          // composited; those behind what is opaque are not
+    // With FEATURES, weighted by opacity:
+    guard_coverage: f32,
+    undercoat_coverage: f32,
+    albedo: vec3f,
+    normal: vec3f,
+    tangent: vec3f,
 }
 
 // Composites the skin behind everything and writes the film sample.
@@ -64,7 +71,13 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
     let z_base = base_depth(base);
     var normal = 0u;
+    var base_coverage = 0.0;
     if z_base < NO_BASE {
+        if FEATURES {
+            base_coverage = (*g).through;
+            (*g).albedo += base_coverage * unpack_albedo(samples[sample_vector(i) + 2u].x);
+            (*g).normal += base_coverage * unpack_direction(base.w);
+        }
         (*g).base = (*g).through * base_radiance(base);
         (*g).z_sum += (*g).through * z_base;
         (*g).through = 0.0;
@@ -74,8 +87,18 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let z = select(NO_BASE, (*g).z_sum / max(opacity, 1e-6), opacity > 1e-4);
     let packed = pack_film_sample(
         FilmSample((*g).guard, (*g).undercoat, (*g).base, (*g).through, z, normal, (*g).fragments));
-    samples[2u * i] = packed[0];
-    samples[2u * i + 1u] = packed[1];
+    let at = sample_vector(i);
+    samples[at] = packed[0];
+    samples[at + 1u] = packed[1];
+    if FEATURES {
+        // Coverages add up to alpha as the sample holds it: one minus a half float.
+        let stored = 1.0 - unpack2x16float(pack2x16float(vec2f((*g).through, 0.0))).x;
+        let coverage = vec3f((*g).guard_coverage, (*g).undercoat_coverage, base_coverage);
+        let more = pack_feature_sample(FeatureSample((*g).albedo, (*g).normal, (*g).tangent,
+            coverage * (stored / max(coverage.x + coverage.y + coverage.z, 1e-12))));
+        samples[at + 2u] = more[0];
+        samples[at + 3u] = more[1];
+    }
     if (*g).fragments > 0u {
         atomicMax(&march_counters[LONGEST_LIST], (*g).fragments);
         atomicAdd(&march_counters[FRAGMENTS_LISTED], (*g).fragments);
@@ -100,12 +123,28 @@ fn put_behind(g: ptr<function, Gathered>, color: vec4f, z: f32) -> vec3f {
     return added;
 }
 
-fn put_strand(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+// Adds the features of hairs of opacity `alpha` behind what has been gathered; before `put_behind`.
+fn put_features(g: ptr<function, Gathered>, alpha: f32, albedo: vec3f, tangent: vec3f, view: vec3f) {
+    let weight = (*g).through * alpha;
+    (*g).albedo += weight * albedo;
+    (*g).normal += weight * hair_normal(tangent, view);
+    (*g).tangent += weight * tangent;
+}
+
+fn put_strand(g: ptr<function, Gathered>, node: u32, z: f32, view: vec3f) {
+    let color = node_color(node);
+    if FEATURES {
+        (*g).guard_coverage += (*g).through * color.a;
+        put_features(g, color.a, node_albedo(node), node_tangent(node), view);
+    }
     let added = put_behind(g, color, z);
     (*g).guard += added;
 }
 
 fn put_volume(g: ptr<function, Gathered>, color: vec4f, z: f32) {
+    if FEATURES {
+        (*g).undercoat_coverage += (*g).through * color.a;
+    }
     let added = put_behind(g, color, z);
     (*g).undercoat += added;
 }
@@ -148,7 +187,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                     skip_to = 0.0;
                     enter_shell(&march, &place, fragment_id(key), batch.z[next], phase);
                 } else {
-                    put_strand(&g, node_color(batch.node[next]), batch.z[next]);
+                    put_strand(&g, batch.node[next], batch.z[next], march.view);
                 }
                 next++;
             }
@@ -176,6 +215,9 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 let length = z_to - max(march.z, skip_to);
                 if length > 0.0 {
                     let rest = exp(-march.sigma * length); // [Max1995]
+                    if FEATURES {
+                        put_features(&g, 1.0 - rest, march.albedo, march.tangent, march.view);
+                    }
                     put_volume(&g, vec4f(march.radiance * (1.0 - rest), 1.0 - rest), z_to - 0.5 * length);
                 }
                 march.z = z_to;
@@ -186,7 +228,7 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                         waiting = fragment_id(key);
                         waiting_z = z_node;
                     } else {
-                        put_strand(&g, node_color(batch.node[next]), z_node);
+                        put_strand(&g, batch.node[next], z_node, march.view);
                     }
                     next++;
                 }
@@ -236,6 +278,10 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
         return;
     }
     let xy = tile_xy(i);
+    var view = vec3f(0.0);
+    if FEATURES {
+        view = -normalize(sample_ray(xy));
+    }
     var g: Gathered;
     g.through = 1.0;
     var batch: Batch;
@@ -254,7 +300,7 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
             g.read++;
             let kind = fragment_kind(source_after);
             if kind == KIND_STRAND {
-                put_strand(&g, node_color(batch.node[k]), z_after);
+                put_strand(&g, batch.node[k], z_after, view);
             } else if kind == KIND_VOLUME {
                 var color = node_color(batch.node[k]);
                 if fur.undercoat.virtual_fragments == 0u {
@@ -266,6 +312,9 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
                         k = 0u;
                     }
                     color *= simplified_alpha(&batch, k) / max(color.a, 1e-6);
+                }
+                if FEATURES {
+                    put_features(&g, color.a, node_albedo(batch.node[k]), node_tangent(batch.node[k]), view);
                 }
                 put_volume(&g, color, z_after);
             }

@@ -375,7 +375,7 @@ fn missing_backgrounds_are_scene_errors() {
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("no-such.png"));
     scene.film.background = Background::Environment;
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("[environment]"));
-    scene.environment = Some(pelage_core::scene::Environment::default());
+    scene.environment = Some(pelage_core::scene::Environment { visible: false, ..Default::default() });
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("visible"));
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.png"), "bad").unwrap();

@@ -381,3 +381,25 @@ proptest! {
         }
     }
 }
+
+#[test]
+fn groom_scale_scales_every_length_of_the_coat_once() {
+    let text = "\"$schema\" = \"pelage.json\"\n[mesh]\nshape = \"sphere\"\n[guard]\ncurl = 0.3\ncurl_frequency = 1.5\n\
+                length = { map = \"vertex_color\", value = 3, offset = 1 }\n[bake]\nheight = 2\n";
+    let plain = Scene::parse(text, "a.toml", &[]).unwrap();
+    let half = Scene::parse(text, "a.toml", &["groom.scale=0.5".into()]).unwrap();
+    let Scalar::Mapped(map) = &half.guard.length else { panic!("{:?}", half.guard.length) };
+    assert_eq!((map.value, map.offset), (1.5, 0.5));
+    assert_eq!((half.guard.curl.max(), half.guard.curl_frequency), (0.15, 3.0));
+    assert_eq!(half.guard.clump_density, 4.0 * plain.guard.clump_density);
+    assert_eq!(half.undercoat.height.max(), 0.5 * plain.undercoat.height.max());
+    assert_eq!(half.undercoat.noise_frequency, 2.0 * plain.undercoat.noise_frequency);
+    assert_eq!((half.bake.height, half.bake.patch), (Some(1.0), None));
+    assert_eq!(half.guard.diameter, plain.guard.diameter);
+    assert_eq!(half.guard.density, plain.guard.density);
+    // The resolved scene is not scaled again.
+    let resolved = toml::to_string(&half).unwrap();
+    assert!(!resolved.contains("[groom]") && !resolved.contains("$schema"), "{resolved}");
+    assert_eq!(Scene::parse(&resolved, "b.toml", &[]).unwrap(), half);
+    assert!(Scene::parse(text, "a.toml", &["groom.scale=0".into()]).is_err());
+}

@@ -28,12 +28,12 @@ struct SkinPoint {
     position: vec3f,
     normal: vec3f,
     uv: vec2f,
-    color: vec3f,
+    color: vec4f, // vertex colour and alpha
 }
 
 // The point at a vertex of the skin.
 fn point_of_vertex(vertex: ShellVertex, uv: vec2f) -> SkinPoint {
-    return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color).rgb);
+    return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color));
 }
 
 // A texel of a parameter's map, which repeats.
@@ -68,7 +68,7 @@ fn triplanar(parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
 // Factor on a parameter's constant at a point of the skin.
 fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.parameters[parameter].source {
-        case 1u: { return vec4f(at.color, 1.0); }
+        case 1u: { return at.color; }
         case 2u: { return bilinear(parameter, at.uv); }
         case 3u: { return triplanar(parameter, at.position - groom.origin, at.normal); }
         default: { return vec4f(1.0); }

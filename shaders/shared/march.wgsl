@@ -7,6 +7,7 @@
 
 #import shared/halves
 #import shared/transmittance
+#import shared/features
 
 struct March {
     marching: bool,   // inside the shell
@@ -17,6 +18,8 @@ struct March {
     speed: f32,       // path length (cm) per cm of depth
     sigma: f32,       // extinction of the current step per cm of depth
     radiance: vec3f,  // source radiance of the current step
+    albedo: vec3f,    // with FEATURES: that of its hairs
+    tangent: vec3f,   // with FEATURES: their direction
     ray: vec3f,
     view: vec3f,      // unit, towards the camera
     lost: u32,        // number of steps whose prism was not found
@@ -77,7 +80,8 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
 }
 
 // In-scattered radiance towards `view` per extinction at a place, and the density factor there.
-fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
+// `seen`: with FEATURES, receives the albedo.
+fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f, seen: ptr<function, vec3f>) -> vec4f {
     let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance from all but the key lights; density factor
     var tau = vec2f(0.0);
@@ -99,6 +103,9 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         }
         let through = light_through(tau[j], albedo);
         sum += fur.lights.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
+    }
+    if FEATURES {
+        *seen = albedo;
     }
     return vec4f(sum * undercoat_factor(albedo), ambient.a);
 }
@@ -130,12 +137,17 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     (*m).z_end = select((*m).z + dz, z_out, (*m).last);
     (*place).t = clamp(t, 0.0, 1.0);
     let medium = medium_at(place);
-    let source_density = source_radiance(place, medium, x, (*m).view);
+    var albedo = vec3f(0.0);
+    let source_density = source_radiance(place, medium, x, (*m).view, &albedo);
     let lost = found == LOST && (*m).lost < LOST_LIMIT;
     let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
     // Lost: continue with the medium of the previous step.
     (*m).sigma = select(sigma, (*m).sigma, lost);
     (*m).radiance = select(source_density.rgb, (*m).radiance, lost);
+    if FEATURES {
+        (*m).albedo = select(albedo, (*m).albedo, lost);
+        (*m).tangent = select(medium.tangent, (*m).tangent, lost);
+    }
     if lost {
         (*m).marching = true;
         (*m).last = false;

@@ -2,6 +2,8 @@
 // shared/frame.
 
 #import shared/halves
+#import shared/octahedral
+#import shared/record
 
 const BATCH: u32 = 24u;
 
@@ -18,6 +20,16 @@ struct Batch {
 fn node_color(node: u32) -> vec4f {
     let at = node_word(node);
     return unpack_half4(vec2u(fragment_lists[at + NODE_COLOR], fragment_lists[at + NODE_COLOR + 1u]));
+}
+
+// With FEATURES: albedo of a node's hairs.
+fn node_albedo(node: u32) -> vec3f {
+    return unpack_albedo(fragment_lists[node_word(node) + NODE_ALBEDO]);
+}
+
+// With FEATURES: direction of a node's hairs, from root to tip.
+fn node_tangent(node: u32) -> vec3f {
+    return unpack_direction(fragment_lists[node_word(node) + NODE_TANGENT]);
 }
 
 // Where the next batch is read from: the last node of a batch if the list is sorted, otherwise 0,

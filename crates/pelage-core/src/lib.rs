@@ -13,6 +13,7 @@ pub mod maps;
 pub mod mesh;
 pub mod scene;
 pub mod skin;
+pub mod stage;
 pub mod stats;
 pub mod world;
 

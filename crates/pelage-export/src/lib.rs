@@ -191,7 +191,7 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     if map.map == pelage_core::maps::VERTEX_COLOR {
         return skin.colors.iter().map(|c| clamped(*c)).collect();
     }
-    let Some(index) = world.maps.index_of(&map.map, true) else {
+    let Some(index) = world.maps.index_of(&map.map, &map.layer, true) else {
         return vec![clamped(Vec3::ONE)];
     };
     let image = &world.maps.images[index];

@@ -6,14 +6,18 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of directional lights.
-pub const MAX_LIGHTS: usize = 64;
+pub const MAX_LIGHTS: usize = pelage_core::light::MAX_LIGHTS;
 
 /// Words of a node of the fragment lists (`shared/oit.wgsl`): link, depth, kind and id, colour.
 pub const NODE_WORDS: u32 = 5;
+/// Further words of a node with features: albedo, tangent.
+pub const NODE_FEATURE_WORDS: u32 = 2;
 /// Words of a record of the skin under a sample (`shared/base.wgsl`): depth, radiance, normal.
 pub const BASE_WORDS: u32 = 4;
 /// Words of a sample of the film (`shared/film_sample.wgsl`).
 pub const SAMPLE_WORDS: u32 = 8;
+/// Further words of a sample with features: albedo, normal, tangent, coverages.
+pub const SAMPLE_FEATURE_WORDS: u32 = 8;
 
 macro_rules! shared {
     ($($(#[$doc:meta])* struct $name:ident { $($field:ident: $ty:ty),* $(,)? })*) => {

@@ -52,32 +52,41 @@ pub struct Variant {
     pub undercoat: u32,
     /// Multiple scattering: 0 none or similarity, 1 dual scattering, 2 transport.
     pub multiple: u32,
+    /// Whether albedo, normal, tangent and coverages are made.
+    pub features: bool,
 }
 
 impl Variant {
     /// Number of variants.
-    pub const COUNT: usize = 12 * (MODELS * MODELS) as usize;
+    pub const COUNT: usize = 24 * (MODELS * MODELS) as usize;
 
     /// Number of the variant, below [`Variant::COUNT`].
     pub fn index(self) -> usize {
         let models = self.guard.min(MODELS - 1) * MODELS + self.undercoat.min(MODELS - 1);
         usize::from(self.stored)
             + 2 * usize::from(self.nested)
-            + 4 * (models * 3 + self.multiple.min(2)) as usize
+            + 4 * usize::from(self.features)
+            + 8 * (models * 3 + self.multiple.min(2)) as usize
     }
 
     /// The constants of the kernels that march the undercoat.
-    fn constants(self) -> [(&'static str, f64); 3] {
+    fn constants(self) -> [(&'static str, f64); 4] {
         [
             ("STORED", f64::from(u8::from(self.stored))),
             ("NESTED", f64::from(u8::from(self.nested))),
             self.undercoat(),
+            self.features(),
         ]
     }
 
     /// The constant that selects the model of multiple scattering.
     fn multiple(self) -> (&'static str, f64) {
         ("MULTIPLE", f64::from(self.multiple))
+    }
+
+    /// The constant that selects whether features are made.
+    fn features(self) -> (&'static str, f64) {
+        ("FEATURES", f64::from(u8::from(self.features)))
     }
 
     /// The constant that selects the fibre model of the guard hairs.
@@ -146,18 +155,18 @@ impl Passes {
     /// [`pelage_core::Error::Gpu`] with file and line of a fault in a shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            base_raster: base_raster::BaseRaster::new(gpu)?,
+            base_raster: base_raster::BaseRaster::new(gpu, variant)?,
             edge_table: edge_table::EdgeTable::new(gpu)?,
-            film: film::Film::new(gpu)?,
+            film: film::Film::new(gpu, variant)?,
             guard_bins: guard_bins::GuardBins::new(gpu)?,
-            guard_raster: guard_raster::GuardRaster::new(gpu)?,
+            guard_raster: guard_raster::GuardRaster::new(gpu, variant)?,
             guard_shade: guard_shade::GuardShade::new(gpu, variant)?,
             guard_splat: guard_splat::GuardSplat::new(gpu)?,
             guard_strands: guard_strands::GuardStrands::new(gpu)?,
             hair_roots: hair_roots::HairRoots::new(gpu)?,
             light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
             resolve: resolve::Resolve::new(gpu, variant)?,
-            shell_entry: shell_entry::ShellEntry::new(gpu)?,
+            shell_entry: shell_entry::ShellEntry::new(gpu, variant)?,
             shell_lattice: shell_lattice::ShellLattice::new(gpu)?,
             shell_prisms: shell_prisms::ShellPrisms::new(gpu)?,
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,

@@ -9,6 +9,7 @@ mod tables;
 
 use crate::passes::{Passes, Variant};
 use lattice::Lattice;
+pub use lattice::lattice_bytes;
 use pelage_core::scene::{LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};
@@ -88,7 +89,7 @@ impl Volume {
 }
 
 /// The variant of the passes for a scene.
-fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
+fn variant_of(world: &World, packed: &PackedGroom, stored: bool, features: bool) -> Variant {
     Variant {
         stored,
         nested: world.scene.render.light == LightLookup::Nested,
@@ -99,6 +100,7 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
             MultipleModel::Dual => 1,
             MultipleModel::Transport => 2,
         },
+        features,
     }
 }
 
@@ -126,6 +128,20 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
+        Self::with_features(gpu, world, frame, false, timings)
+    }
+
+    /// [`Prepared::new`]; if `features`, with kernels that make albedo, normal, tangent, coverages.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn with_features(
+        gpu: &'g Gpu,
+        world: &World,
+        frame: &Frame,
+        features: bool,
+        timings: &mut Timings,
+    ) -> Result<Self> {
         let packed = groom::pack(world)?;
         let scattered =
             matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
@@ -133,7 +149,7 @@ impl<'g> Prepared<'g> {
         let skin = &world.skin;
         let mut buffers = upload(gpu, skin, &packed, frame)?;
         let volume = Volume::plan(gpu, world)?;
-        let variant = variant_of(world, &packed, volume.stored);
+        let variant = variant_of(world, &packed, volume.stored, features);
         let tables = Tables::new(gpu, scattered.as_ref())?;
         let passes = Passes::of(gpu, variant)?;
 

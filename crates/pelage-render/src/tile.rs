@@ -7,9 +7,9 @@ mod size;
 use crate::job::Job;
 use crate::options::RenderOptions;
 use crate::plan::SamplePlan;
-use crate::planes::write_tile;
+use crate::planes::{self, write_tile};
 use crate::prepare::Prepared;
-use crate::tile_buffers::{COUNTER_BYTES, FRAGMENT_BYTES, MarchCounts, TileBuffers};
+use crate::tile_buffers::{COUNTER_BYTES, MarchCounts, TileBuffers, fragment_bytes};
 use bins::{Bins, StrandRaster};
 use pelage_core::film::Film;
 use pelage_core::scene::Blend;
@@ -60,13 +60,15 @@ impl<'a> Tiles<'a> {
         plan: &'a SamplePlan,
         options: &RenderOptions<'a>,
     ) -> Result<Self> {
-        let size = TileSize::choose(prepared, world, plan, options.planes())?;
-        let buffers = TileBuffers::new(prepared.gpu, size.extent, size.list_bytes)?;
+        let planes = planes::written(options, world.scene.render.fur);
+        let size = TileSize::choose(prepared, world, plan, planes, options)?;
+        let buffers =
+            TileBuffers::new(prepared.gpu, size.extent, size.list_bytes, prepared.variant.features)?;
         Ok(Self {
             prepared,
             world,
             plan,
-            planes: options.planes(),
+            planes,
             edge: size.edge,
             buffers,
             bins: None,
@@ -123,7 +125,7 @@ impl<'a> Tiles<'a> {
         if job.size[0] <= SMALLEST && job.size[1] <= SMALLEST {
             return Err(Error::OutOfMemory {
                 pass: "resolve".into(),
-                needed: outcome.fragments * FRAGMENT_BYTES,
+                needed: outcome.fragments * fragment_bytes(self.prepared.variant.features),
             });
         }
         let half = job.size.map(|s| s.div_ceil(2).max(1));
@@ -208,6 +210,10 @@ impl<'a> Tiles<'a> {
                 let _runs =
                     passes.resolve.record_sort(gpu, &mut recorder, &scope, samples, counted.longest)?;
                 recorder.clear(counters, COUNTER_BYTES);
+                if self.prepared.variant.features {
+                    // `resolve` has overwritten the skin's albedo in `samples`.
+                    passes.base_raster.record(&mut recorder, &scope, &targets, self.prepared.triangles)?;
+                }
                 passes.resolve.record(&mut recorder, &scope, samples, exact)?;
                 recorder.submit(timings)?;
                 counted = counted.resolved_again(self.buffers.counts(gpu)?);

@@ -1,15 +1,17 @@
 //! Buffers and raster targets that steps 4 to 7 write for a tile.
 
 use crate::twin::film::halves;
+use crate::twin::lattice::unpack_albedo;
 use crate::twin::resolve::{Node, sort};
-use glam::Vec4;
+use glam::{Vec3, Vec4};
 use pelage_core::{Error, Result};
-use pelage_fur::layout::{BASE_WORDS, NODE_WORDS, SAMPLE_WORDS};
+use pelage_fur::layout::{BASE_WORDS, NODE_FEATURE_WORDS, NODE_WORDS, SAMPLE_FEATURE_WORDS, SAMPLE_WORDS};
+use pelage_fur::octahedral;
 use pelage_gpu::kernel::{DEPTH_FORMAT, ID_FORMAT};
 use pelage_gpu::recorder::RasterTargets;
 use pelage_gpu::{Buffer, Buffers, Gpu, Resource, Scope};
 
-/// Bytes per fragment in the lists.
+/// Bytes per fragment in the lists, without features.
 pub const FRAGMENT_BYTES: u64 = 4 * NODE_WORDS as u64;
 
 /// Bytes of `march_counters`; `shaders/shared/march_counters.wgsl` names its words.
@@ -59,8 +61,18 @@ impl MarchCounts {
     }
 }
 
-/// Bytes per sample besides fragments: base record, list head, film sample, triangle number, depth.
-pub const SAMPLE_BYTES: u64 = 4 * (BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1) as u64;
+/// Words per sample besides fragments: base record, list head, film sample, triangle number, depth.
+const WORDS: u32 = BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1;
+
+/// Bytes per fragment in the lists.
+pub fn fragment_bytes(features: bool) -> u64 {
+    FRAGMENT_BYTES + if features { 4 * u64::from(NODE_FEATURE_WORDS) } else { 0 }
+}
+
+/// Bytes per sample besides fragments.
+pub fn sample_bytes(features: bool) -> u64 {
+    4 * u64::from(WORDS + if features { SAMPLE_FEATURE_WORDS } else { 0 })
+}
 
 /// The buffers `base_records`, `fragment_lists`, `samples` and `march_counters`, and the targets of
 /// the raster passes.
@@ -68,25 +80,28 @@ pub struct TileBuffers {
     buffers: Buffers,
     ids: wgpu::Texture,
     views: [wgpu::TextureView; 2],
+    features: bool,
 }
 
-/// Size of `fragment_lists` for `samples` samples and `fragments` fragments, bytes.
+/// Size of `fragment_lists` for `samples` samples and `fragments` fragments without features,
+/// bytes.
 pub fn list_bytes(samples: u64, fragments: u64) -> u64 {
     4 * (1 + samples) + FRAGMENT_BYTES * fragments
 }
 
 impl TileBuffers {
     /// Allocates for tiles of up to `size` samples. `list_bytes`: size of `fragment_lists` (see
-    /// [`list_bytes()`]).
+    /// [`list_bytes()`]); `features`: whether samples and fragments have them.
     ///
     /// # Errors
     /// [`Error::OutOfMemory`], [`Error::Gpu`].
-    pub fn new(gpu: &Gpu, size: [u32; 2], list_bytes: u64) -> Result<Self> {
+    pub fn new(gpu: &Gpu, size: [u32; 2], list_bytes: u64, features: bool) -> Result<Self> {
         let samples = u64::from(size[0]) * u64::from(size[1]);
+        let sample_words = SAMPLE_WORDS + if features { SAMPLE_FEATURE_WORDS } else { 0 };
         let buffers = vec![
             gpu.storage("base_records", 5, samples * 4 * u64::from(BASE_WORDS))?,
             gpu.storage("fragment_lists", 6, list_bytes)?,
-            gpu.storage("samples", 7, samples * 4 * u64::from(SAMPLE_WORDS))?,
+            gpu.storage("samples", 7, samples * 4 * u64::from(sample_words))?,
             gpu.storage("march_counters", 7, COUNTER_BYTES)?,
         ];
         use wgpu::TextureUsages as U;
@@ -106,7 +121,7 @@ impl TileBuffers {
         let depth = texture(DEPTH_FORMAT, U::RENDER_ATTACHMENT);
         gpu.check("base_raster")?;
         let views = [&ids, &depth].map(|texture| texture.create_view(&Default::default()));
-        Ok(Self { buffers: buffers.into(), ids, views })
+        Ok(Self { buffers: buffers.into(), ids, views, features })
     }
 
     /// A buffer by its name.
@@ -140,7 +155,8 @@ impl TileBuffers {
     /// # Errors
     /// As [`TileBuffers::buffer`].
     pub fn capacity(&self, samples: u64) -> Result<u64> {
-        Ok((self.buffer("fragment_lists")?.size.saturating_sub(list_bytes(samples, 0))) / FRAGMENT_BYTES)
+        let room = self.buffer("fragment_lists")?.size.saturating_sub(list_bytes(samples, 0));
+        Ok(room / fragment_bytes(self.features))
     }
 
     /// `scope` with these buffers and `triangle_ids` added.
@@ -171,9 +187,11 @@ impl TileBuffers {
                 "{used} fragments, but the lists hold {capacity}: use a smaller tile"
             )));
         }
-        let words: Vec<u32> = gpu.read(lists, list_bytes(samples as u64, used))?;
+        let bytes = list_bytes(samples as u64, 0) + used * fragment_bytes(self.features);
+        let words: Vec<u32> = gpu.read(lists, bytes)?;
+        let of_node = (fragment_bytes(self.features) / 4) as usize;
         let (heads, nodes) = words[1..].split_at(samples);
-        let node = |number: u32| &nodes[(number as usize - 1) * NODE_WORDS as usize..][..NODE_WORDS as usize];
+        let node = |number: u32| &nodes[(number as usize - 1) * of_node..][..of_node];
         let list = |head: u32| {
             let mut list = Vec::new();
             let mut next = head;
@@ -181,7 +199,12 @@ impl TileBuffers {
                 let words = node(next);
                 let ([r, g], [b, a]) = (halves(words[3]), halves(words[4]));
                 let color = Vec4::new(r, g, b, a);
-                list.push(Node { z: f32::from_bits(words[1]), source: words[2], color });
+                let (mut albedo, mut tangent) = (Vec3::ZERO, Vec3::ZERO);
+                if let [packed, direction] = words[NODE_WORDS as usize..] {
+                    (albedo, tangent) = (unpack_albedo(packed), octahedral::unpack(direction));
+                }
+                let (z, source) = (f32::from_bits(words[1]), words[2]);
+                list.push(Node { z, source, color, albedo, tangent });
                 next = words[0];
             }
             sort(&mut list);

@@ -20,11 +20,12 @@ pub(super) fn check(skin: &Skin, levels: u32) -> Result<(), String> {
 }
 
 /// The same surface with four triangles in the place of each. Triangles that share an edge share
-/// the vertex in its middle; uv, colours and normals there are means of those at its ends.
+/// the vertex in its middle; uv, colours, alphas and normals there are means of those at its ends.
 pub(super) fn divided(skin: &Skin) -> Skin {
     let mut fine = Skin {
         triangles: Vec::with_capacity(4 * skin.triangles.len()),
         corner_uv: skin.corner_uv.as_ref().map(|uv| Vec::with_capacity(4 * uv.len())),
+        section_of: skin.section_of.iter().flat_map(|section| [*section; 4]).collect(),
         ..skin.clone()
     };
     let mut middles = HashMap::with_capacity(2 * skin.triangles.len());
@@ -54,6 +55,9 @@ impl Skin {
         self.normals.push(mean(&self.normals).try_normalize().unwrap_or(self.normals[from]));
         if !self.colors.is_empty() {
             self.colors.push(mean(&self.colors));
+        }
+        if !self.alphas.is_empty() {
+            self.alphas.push(0.5 * (self.alphas[from] + self.alphas[to]));
         }
         number
     }
@@ -88,6 +92,22 @@ mod tests {
                 };
                 assert!(normal(&fine, t).dot(normal(&skin, t / 4)) > 0.99, "{shape:?} {t}");
             }
+        }
+    }
+
+    #[test]
+    fn alphas_and_sections_are_divided() {
+        let mut skin = skin_of(shapes::shape(Shape::Torus));
+        skin.alphas = (0..skin.positions.len()).map(|v| (v % 5) as f32 / 4.0).collect();
+        skin.section_of = (0..skin.triangles.len() as u32).map(|t| t % 3).collect();
+        let fine = divided(&skin);
+        assert_eq!((fine.alphas.len(), fine.section_of.len()), (fine.positions.len(), fine.triangles.len()));
+        for (t, [a, b, c]) in skin.triangles.iter().enumerate() {
+            assert_eq!(fine.section_of[4 * t..4 * t + 4], [skin.section_of[t]; 4]);
+            let alpha = |v: u32| skin.alphas[v as usize];
+            let middles = fine.triangles[4 * t + 3].map(|v| fine.alphas[v as usize]);
+            let [a, b, c] = [a, b, c].map(|v| alpha(*v));
+            assert_eq!(middles, [0.5 * (b + c), 0.5 * (c + a), 0.5 * (a + b)]);
         }
     }
 

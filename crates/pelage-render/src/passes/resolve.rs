@@ -23,7 +23,7 @@ impl Resolve {
         Ok(Self {
             exact: Kernel::specialised(gpu, "resolve", "exact", &constants)?,
             blend_fragments: Kernel::specialised(gpu, "resolve", "blend_fragments", &constants)?,
-            merge_runs: Kernel::new(gpu, "resolve", "merge_runs")?,
+            merge_runs: Kernel::specialised(gpu, "resolve", "merge_runs", &constants)?,
         })
     }
 

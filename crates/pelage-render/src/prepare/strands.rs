@@ -29,9 +29,14 @@ impl Strands {
     }
 }
 
+/// Bytes of a shaded vertex.
+fn shade_bytes(features: bool) -> u64 {
+    if features { 16 } else { 8 }
+}
+
 /// Bytes per strand on the GPU: root, vertices and shades.
-pub fn strand_bytes(segments: u32) -> u64 {
-    16 + (u64::from(segments) + 1) * 24
+pub fn strand_bytes(segments: u32, features: bool) -> u64 {
+    16 + (u64::from(segments) + 1) * (16 + shade_bytes(features))
 }
 
 /// A range of parts of triangles and the number of roots of each. Most triangles have one part;
@@ -83,7 +88,8 @@ impl Prepared<'_> {
         let counts: Vec<u32> = gpu.read(&counts, all * 4)?;
         self.strands = counts.iter().map(|c| u64::from(*c)).sum();
         let vertex_limit = gpu.binding_limit() / (16 * (u64::from(self.segments) + 1));
-        let most = (self.strand_budget / strand_bytes(self.segments)).min(vertex_limit).max(1);
+        let bytes = strand_bytes(self.segments, self.variant.features);
+        let most = (self.strand_budget / bytes).min(vertex_limit).max(1);
         let mut batches: Vec<RootBatch> = Vec::new();
         for (part, count) in counts.iter().enumerate() {
             let fits = batches.last().is_some_and(|b| b.strands + u64::from(*count) <= most);
@@ -103,10 +109,7 @@ impl Prepared<'_> {
             }
         }
         if let Some(big) = batches.iter().find(|b| b.strands > most) {
-            return Err(Error::OutOfMemory {
-                pass: "guard_strands".into(),
-                needed: big.strands * strand_bytes(self.segments),
-            });
+            return Err(Error::OutOfMemory { pass: "guard_strands".into(), needed: big.strands * bytes });
         }
         Ok(batches)
     }
@@ -156,7 +159,7 @@ impl Prepared<'_> {
         let vertices = u64::from(count) * (u64::from(self.segments) + 1);
         let batch = gpu.uniform("strand_batch", &StrandBatch { strands: count })?;
         let strand_vertices = gpu.storage("strand_vertices", 3, vertices * 16)?;
-        let shades = gpu.storage("shades", 3, vertices * 8)?;
+        let shades = gpu.storage("shades", 3, vertices * shade_bytes(self.variant.features))?;
         let strands = Strands { count, buffers: vec![batch, roots, strand_vertices, shades].into() };
         let mut recorder = Recorder::new(gpu);
         self.passes.guard_strands.record(&mut recorder, &strands.scope(&self.scope()), count)?;

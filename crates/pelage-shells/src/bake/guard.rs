@@ -6,7 +6,7 @@
 use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use pelage_fur::guard_strands::{end_colors, opacity, strand_at};
 use pelage_fur::layout::Groom;
 use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
@@ -15,7 +15,7 @@ use pelage_fur::strand_curve::{color_at, control_polygon, leg_directions};
 
 /// The point at which every hair grows before it is moved to its root on the torus.
 const UPRIGHT: SkinPoint =
-    SkinPoint { position: Vec3::ZERO, normal: Vec3::Z, uv: Vec2::ZERO, color: Vec3::ONE };
+    SkinPoint { position: Vec3::ZERO, normal: Vec3::Z, uv: Vec2::ZERO, color: Vec4::ONE };
 
 /// The guard hairs of a patch.
 pub(super) struct GuardFur {
