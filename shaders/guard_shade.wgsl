@@ -135,7 +135,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         if MULTIPLE == MULTIPLE_TRANSPORT {
             let scattered = scattered_light(cell);
-            let normal = normalize(extrusion(&place));
+            let normal = extrusion_direction(&place, place.lambda);
             radiance += guard_response(albedo, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {

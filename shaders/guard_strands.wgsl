@@ -78,7 +78,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let clump = scalar(GUARD_CLUMP, at);
     var pull = vec3f(0.0);
     if clump > 0.0 {
-        let offset = to_clump(at.position);
+        let offset = to_clump(at.position - groom.origin);
         pull = clump * (offset - n * dot(n, offset));
     }
     let curl = scalar(GUARD_CURL, at);

@@ -15,9 +15,15 @@
 @group(0) @binding(7) var<storage, read> base_records: array<vec4u>;
 @group(0) @binding(8) var<storage, read> fragment_lists: array<u32>;
 @group(0) @binding(9) var<storage, read_write> samples: array<vec4u>; // shared/film_sample
-// Number of lost rays; length of the longest list.
 @group(0) @binding(10) var<storage, read_write> march_counters: array<atomic<u32>>;
 @group(0) @binding(11) var<uniform> undercoat_fibre: Fibre;
+@group(0) @binding(12) var<uniform> sort_run: SortRun;
+@group(0) @binding(13) var<storage, read_write> lists_to_sort: array<u32>; // the same lists
+
+// Lists are sorted from runs of this length to runs of twice the length.
+struct SortRun {
+    length: u32,
+}
 
 #import shared/frame
 #import shared/index
@@ -34,12 +40,14 @@
 #import shared/source_table
 #import shared/fibre
 #import shared/undercoat_fibre
+#import shared/march_counters
 #import shared/march
 #import shared/phase
 #import shared/oit
 #import shared/oit_read
 #import shared/base
 #import shared/film_sample
+#import shared/rounds
 
 // Sums of a sample, composited from front to back. Contributions are premultiplied.
 struct Gathered {
@@ -48,7 +56,8 @@ struct Gathered {
     undercoat: vec3f,
     base: vec3f,
     z_sum: f32,         // depth weighted by opacity
-    fragments: u32,
+    fragments: u32,     // in the list
+    read: u32,          // composited; those behind what is opaque are not
     // With FEATURES, weighted by opacity:
     guard_coverage: f32,
     undercoat_coverage: f32,
@@ -91,7 +100,17 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
         samples[at + 3u] = more[1];
     }
     if (*g).fragments > 0u {
-        atomicMax(&march_counters[1], (*g).fragments);
+        atomicMax(&march_counters[LONGEST_LIST], (*g).fragments);
+        atomicAdd(&march_counters[FRAGMENTS_LISTED], (*g).fragments);
+    }
+}
+
+// Counts what is missing in a sample that was not resolved to its end. `unfinished`: whether
+// something visible is left.
+fn count_unread(g: ptr<function, Gathered>, unfinished: bool) {
+    if unfinished && rounds_ran_out() {
+        atomicAdd(&march_counters[RAYS_CUT], 1u);
+        atomicAdd(&march_counters[FRAGMENTS_UNREAD], (*g).fragments - min((*g).read, (*g).fragments));
     }
 }
 
@@ -152,10 +171,11 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     var z_after = -1.0;
     var source_after = 0u;
     var batch: Batch;
+    var first = 0u;
     var more = true;
     while more {
-        read_batch(&batch, i, z_after, source_after);
-        g.fragments = batch.length;
+        read_batch(&batch, i, z_after, source_after, first);
+        g.fragments = max(g.fragments, batch.length);
         more = batch.more;
         var next = 0u;
         // Each round takes at most one step of the march and all fragments up to its end.
@@ -217,15 +237,18 @@ fn exact(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
                 march.marching = false;
             }
         }
+        g.read += next;
         more = more && g.through > fur.undercoat.opacity_cut;
         if more {
             z_after = batch.z[BATCH - 1u];
             source_after = batch.source[BATCH - 1u];
+            first = read_from(batch.node[BATCH - 1u]);
         }
     }
     if march.lost > 0u {
-        atomicAdd(&march_counters[0], 1u);
+        atomicAdd(&march_counters[RAYS_LOST], 1u);
     }
+    count_unread(&g, g.through > fur.undercoat.opacity_cut && (g.read < g.fragments || march.marching));
     finish(i, xy, &g);
 }
 
@@ -264,14 +287,17 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
     var batch: Batch;
     var z_after = -1.0;
     var source_after = 0u;
+    var first = 0u;
     var more = true;
     while more && g.through > fur.undercoat.opacity_cut {
-        read_batch(&batch, i, z_after, source_after);
-        g.fragments = batch.length;
+        read_batch(&batch, i, z_after, source_after, first);
+        g.fragments = max(g.fragments, batch.length);
         more = batch.more;
         for (var k = 0u; k < batch.count; k++) {
             z_after = batch.z[k];
             source_after = batch.source[k];
+            first = read_from(batch.node[k]);
+            g.read++;
             let kind = fragment_kind(source_after);
             if kind == KIND_STRAND {
                 put_strand(&g, batch.node[k], z_after, view);
@@ -281,7 +307,7 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
                     // A shell fragment needs the strands behind it: unless it is the first of the
                     // batch or the list ends here, the list is read again from this fragment.
                     if k > 0u && batch.more {
-                        read_batch(&batch, i, z_after, source_after - 1u);
+                        read_batch(&batch, i, z_after, source_after - 1u, first);
                         more = batch.more;
                         k = 0u;
                     }
@@ -294,5 +320,50 @@ fn blend_fragments(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgr
             }
         }
     }
+    count_unread(&g, g.through > fur.undercoat.opacity_cut && g.read < g.fragments);
     finish(i, xy, &g);
+}
+
+// Merges neighbouring runs of each list, which are in order of depth. As many dispatches as the
+// longest list has binary digits sort all lists. They are only needed where lists are so long that
+// the adapter ends the loops which read them in batches.
+@compute @workgroup_size(64)
+fn merge_runs(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    if i >= tile_samples() {
+        return;
+    }
+    var left = lists_to_sort[head_word(i)];
+    var tail = head_word(i); // the word that links to the next node
+    while left != 0u {
+        var right = left;
+        var left_count = 0u;
+        while left_count < sort_run.length && right != 0u {
+            right = lists_to_sort[node_word(right)];
+            left_count++;
+        }
+        var right_count = sort_run.length;
+        while left_count > 0u || (right_count > 0u && right != 0u) {
+            var take_right = left_count == 0u;
+            if left_count > 0u && right_count > 0u && right != 0u {
+                let a = node_word(left);
+                let b = node_word(right);
+                take_right = lies_before(bitcast<f32>(lists_to_sort[b + NODE_Z]), lists_to_sort[b + NODE_SOURCE],
+                    bitcast<f32>(lists_to_sort[a + NODE_Z]), lists_to_sort[a + NODE_SOURCE]);
+            }
+            let node = select(left, right, take_right);
+            let next = lists_to_sort[node_word(node)];
+            if take_right {
+                right = next;
+                right_count--;
+            } else {
+                left = next;
+                left_count--;
+            }
+            lists_to_sort[tail] = node;
+            tail = node_word(node);
+        }
+        left = right;
+    }
+    lists_to_sort[tail] = 0u;
 }

@@ -31,11 +31,13 @@
 #import shared/source_table
 #import shared/fibre
 #import shared/undercoat_fibre
+#import shared/march_counters
 #import shared/march
 #import shared/phase
 #import shared/oit
 #import shared/oit_write
 #import shared/base
+#import shared/rounds
 
 // Unit vector along a sum of unit vectors; up where they cancel.
 fn mean_direction(sum: vec3f) -> vec3f {
@@ -161,6 +163,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         march.z = max(march.z, consumed);
     }
     if march.lost > 0u {
-        atomicAdd(&march_counters[0], 1u);
+        atomicAdd(&march_counters[RAYS_LOST], 1u);
+    }
+    if rounds_ran_out() {
+        atomicAdd(&march_counters[MARCHES_CUT], 1u);
     }
 }

@@ -191,6 +191,49 @@ fn order_of_arrival_does_not_matter() {
     }
 }
 
+/// Faint fragments in long lists, in an order that puts many before those that were read.
+fn faint(lists: usize, length: u32) -> Vec<Vec<Node>> {
+    let node = |i: usize, k: u32| {
+        let z = 5.0 + ((k * 7919 + i as u32) % length) as f32 / 1024.0;
+        Node { z, source: k, color: Vec4::splat(f16::from_f32(0.0005).to_f32()), ..Node::default() }
+    };
+    (0..lists).map(|i| (0..length).map(|k| node(i, k)).collect()).collect()
+}
+
+/// The adapter ends the loops that read lists of thousands of fragments: that is counted, and
+/// sorted lists are read to their end.
+#[test]
+fn lists_that_are_too_long_for_the_loops_are_counted_and_can_be_sorted() {
+    let Some(m) = empty(Blend::Virtual) else { return };
+    let length = 3000;
+    let lists: Vec<Vec<Node>> = faint(8, length).into_iter().chain(vec![Vec::new(); 120]).collect();
+    let unsorted = resolved(&m, &lists, 0);
+    let counts = m.tile.counters().expect("counters");
+    let wanted: Vec<_> =
+        lists.iter().map(|l| blend_fragments(&m.fixture.fur.undercoat, l.clone(), None)).collect();
+    let complete = |found: &[Sample]| {
+        (0..8).all(|i| difference(&found[i], &wanted[i]) < 2e-3 && found[i].fragments == length)
+    };
+    // An adapter without such a limit reads all.
+    assert_eq!(complete(&unsorted), counts.unread == 0, "{counts:?}");
+    assert_eq!(counts.rays_cut > 0, counts.unread > 0, "{counts:?}");
+    if counts.unread == 0 {
+        return;
+    }
+    assert!(counts.listed == 8 * u64::from(length), "{counts:?}");
+    let sorted = m.tile.sort_and_resolve(false).expect("step 7");
+    let again = m.tile.counters().expect("counters");
+    assert_eq!((again.unread, again.rays_cut), (0, 0), "{again:?}");
+    assert!(complete(&sorted));
+    // Short lists are the same either way.
+    let short = synthetic(128, 3);
+    for blend in [Blend::Virtual, Blend::Simplified] {
+        let Some(m) = empty(blend) else { return };
+        let unsorted = resolved(&m, &short, 0);
+        assert!(m.tile.sort_and_resolve(false).expect("step 7") == unsorted, "{blend:?}");
+    }
+}
+
 /// Shell fragment of alpha `alpha`, strands behind it.
 fn shell_and_strands(alpha: f32, strands: &[(f32, f32)]) -> Vec<Node> {
     let shell =

@@ -70,7 +70,7 @@ fn parameter_texel(parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.parameters[parameter].source {
         case 1u: { return at.color; }
         case 2u: { return bilinear(parameter, at.uv); }
-        case 3u: { return triplanar(parameter, at.position, at.normal); }
+        case 3u: { return triplanar(parameter, at.position - groom.origin, at.normal); }
         default: { return vec4f(1.0); }
     }
 }

@@ -30,4 +30,6 @@ struct Groom {
     root_darkening: vec2f,  // strength, length of the decay relative to the strand
     paper: u32,             // 1: local shading as in [Andersen2016]
     padding: u32,
+    origin: vec3f,          // of clumps and of maps without uv: the mesh's translation, cm
+    more_padding: u32,
 }

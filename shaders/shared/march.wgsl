@@ -1,7 +1,8 @@
 // The ray march through the undercoat, [Andersen2016] sec. 3.2: enters at an entry fragment, takes
 // steps of fixed length, hops by the neighbour table. Depth z is the ray parameter (cm along the
 // view axis).
-// Needs: node_light (array<vec4u>), fur (uniform FurParameters); shared/volume, shared/lattice,
+// Needs: node_light (array<vec4u>), fur (uniform FurParameters), march_counters
+// (array<atomic<u32>>); shared/march_counters, shared/volume, shared/lattice,
 // shared/undercoat_fibre, shared/frame.
 
 #import shared/halves
@@ -54,11 +55,14 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
 // ignores guard hairs.
 override NESTED: bool = false;
 
+// Largest number of steps of the nested march; paths that need more are counted.
+const NESTED_LIMIT: u32 = 400u;
+
 // Optical depth of the undercoat from x, which lies at `start`, towards l.
 fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
-    for (var i = 0u; i < 400u; i++) {
+    for (var i = 0u; i < NESTED_LIMIT; i++) {
         let state = locate(&place, x + (f32(i) + 0.5) * fur.undercoat.step * l, l, 2u);
         if state != INSIDE || place.t > 1.0 || sum > TAU_BLOCKED {
             break;
@@ -68,6 +72,9 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
             break;
         }
         sum += extinction(medium_at(&place), l) * fur.undercoat.step;
+        if i + 1u == NESTED_LIMIT {
+            atomicAdd(&march_counters[LIGHT_PATHS_CUT], 1u);
+        }
     }
     return sum;
 }

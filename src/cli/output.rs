@@ -1,6 +1,7 @@
 //! Output to stdout, stderr and files.
 
 use pelage::film::Film;
+use pelage::render::Stats;
 use pelage::{Error, Result, World};
 use pelage_core::files;
 use pelage_fur::extent::{self, Extent};
@@ -14,6 +15,18 @@ pub(super) fn print(text: &str) -> Result<()> {
     match stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()) {
         Err(e) if e.kind() != std::io::ErrorKind::BrokenPipe => Err(Error::io("stdout", e)),
         _ => Ok(()),
+    }
+}
+
+/// Warns on stderr of what is missing in a picture because the adapter ended loops early.
+pub(super) fn warn_of_cuts(stats: &Stats) {
+    if stats.fragments_unread > 0 || stats.rays_cut > 0 {
+        eprintln!(
+            "warning: {} of {} fragments were not read, and {} rays not finished: the adapter {} ends loops \
+             of too many rounds. Parts of the fur are missing; use more samples per pixel (--spp), which \
+             makes the lists shorter, or fewer virtual fragments",
+            stats.fragments_unread, stats.fragments, stats.rays_cut, stats.adapter
+        );
     }
 }
 

@@ -160,6 +160,9 @@ fn picture(
     let frame = render::render(world, &options);
     display.finish();
     let mut frame = frame?;
+    if !global.quiet {
+        output::warn_of_cuts(&frame.stats);
+    }
     if args.auto_exposure && exposure.get().is_none() {
         // The frames of an animation share the first one's, so that they do not flicker.
         exposure.set(Some(exposure::automatic(&frame.film, &world.scene.film)?));
@@ -238,14 +241,17 @@ fn summary(outfile: &[PathBuf], s: &Stats, exposure: Option<f32>) -> String {
         s.storage
     );
     text += &format!(
-        "fragments  {}, at most {} per sample, {} dropped; {} rays lost; {} tiles, {} retried\n",
+        "fragments  {}, at most {} per sample, {} dropped, {} unread; {} rays lost, {} cut; {} tiles, {} retried\n",
         count(s.fragments),
         count(s.fragments_max),
         count(s.fragments_dropped),
+        count(s.fragments_unread),
         count(s.rays_lost),
+        count(s.rays_cut),
         count(s.tiles),
         count(s.tiles_retried)
     );
+    text += &format!("light      {} paths cut\n", count(s.light_paths_cut));
     text += &format!(
         "memory     {} at most, budget {}\n",
         human_bytes(s.gpu_peak_bytes),

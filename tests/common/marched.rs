@@ -59,7 +59,8 @@ impl Marched {
 
     /// Rays given up, and the longest list.
     pub fn counts(&self) -> [u32; 2] {
-        self.tile.counters().expect("counters")
+        let counts = self.tile.counters().expect("counters");
+        [counts.rays_lost as u32, counts.longest as u32]
     }
 
     /// The fragments of each sample, sorted.

@@ -8,6 +8,7 @@ pub mod files;
 pub mod film;
 pub mod hair;
 pub mod light;
+mod map_detail;
 pub mod maps;
 pub mod mesh;
 pub mod scene;

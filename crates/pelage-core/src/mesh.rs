@@ -13,6 +13,7 @@ mod read;
 mod repair;
 pub mod shapes;
 pub mod stl;
+mod subdivide;
 pub mod topology;
 mod up;
 mod write;
@@ -146,7 +147,12 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
             format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
-    place::place(&mut skin, spec, &source).map_err(|message| Error::fault(name, message))?;
+    let placed =
+        place::place(&mut skin, spec, &source).and_then(|()| subdivide::check(&skin, spec.subdivide));
+    placed.map_err(|message| Error::fault(name, message))?;
+    for _ in 0..spec.subdivide {
+        skin = subdivide::divided(&skin);
+    }
     Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 

@@ -44,6 +44,7 @@ impl World {
         let lights = crate::light::lights_of(&scene, assets)?;
         let maps = MapSet::load(&scene, assets)?;
         notes.extend(maps.notes.iter().cloned());
+        notes.extend(crate::map_detail::notes(&scene, &skin, &maps));
         let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;
         Ok(Self { scene, skin, lights, maps, textures, notes })
     }

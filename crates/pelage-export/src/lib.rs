@@ -197,7 +197,8 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     let image = &world.maps.images[index];
     let texel = |[r, g, b, _]: [f32; 4]| clamped(Vec3::new(r, g, b));
     if skin.corner_uv.is_none() {
-        let at = |i: usize| texel(image.triplanar(skin.positions[i], skin.normals[i], 1.0));
+        let origin = Vec3::from(world.scene.mesh.translate);
+        let at = |i: usize| texel(image.triplanar(skin.positions[i] - origin, skin.normals[i], 1.0));
         return (0..skin.positions.len()).map(at).collect();
     }
     let uv = pelage_fur::surface::vertex_uv(skin);

@@ -10,10 +10,6 @@ use pelage_core::{Error, Result, SceneFault, Skin, World};
 /// needs, and still hours of work.
 pub const MOST_GUARD_HAIRS: f64 = 2e8;
 
-/// Largest number of candidates for guard hairs on a triangle: the random numbers of their seeds
-/// begin where those of their thinning end, and no loop of a shader may take more rounds.
-pub const MOST_ON_A_TRIANGLE: f64 = 65_500.0;
-
 /// Length of the longest hair, relative to the longest side of the body, above which a coat looks
 /// like a mistake.
 pub const LONGEST_PART: f32 = 0.25;
@@ -29,8 +25,6 @@ pub struct Extent {
     pub longest_hair: f32,
     /// Guard hairs.
     pub guard_hairs: f64,
-    /// Most guard hairs on a triangle, and which.
-    pub most_on_a_triangle: (f64, usize),
     /// Hairs of the undercoat, which the renderer marches as a volume.
     pub undercoat_hairs: f64,
     /// Subelements of the volume.
@@ -43,8 +37,6 @@ impl Extent {
         let (scene, skin) = (&world.scene, &world.skin);
         let [guard, undercoat] = [groom::has_guard(scene), groom::has_undercoat(scene)];
         let density = if guard { f64::from(scene.guard.density.max()) } else { 0.0 };
-        let areas = (0..skin.triangles.len()).map(|t| (f64::from(skin.triangle_area(t)), t));
-        let (largest, triangle) = areas.fold((0.0, 0), |a, b| if b.0 > a.0 { b } else { a });
         let area = skin.area();
         let length = if guard { scene.guard.length.max() } else { 0.0 };
         Self {
@@ -52,7 +44,6 @@ impl Extent {
             longest_side: longest_side(skin),
             longest_hair: length.max(if undercoat { scene.undercoat.height.max() } else { 0.0 }),
             guard_hairs: area * density,
-            most_on_a_triangle: (largest * density, triangle),
             undercoat_hairs: if undercoat { area * f64::from(scene.undercoat.density.max()) } else { 0.0 },
             subelements: subdivide(skin, world, undercoat).1,
         }
@@ -87,17 +78,6 @@ impl Extent {
                 ),
                 "if the mesh is not in centimetres, set mesh.size to the length of its longest side in cm, or mesh.scale; \
                  otherwise lower guard.density",
-            );
-        }
-        let (most, triangle) = self.most_on_a_triangle;
-        if strands && most > MOST_ON_A_TRIANGLE {
-            return fault(
-                format!(
-                    "found {most:.0} guard hairs on triangle {triangle} of the skin, expected at most {MOST_ON_A_TRIANGLE:.0} \
-                     ({:.0} in all, on {size})",
-                    self.guard_hairs
-                ),
-                "divide the faces of the mesh, lower guard.density or, if the mesh is not in centimetres, set mesh.size",
             );
         }
         let mut notes = Vec::new();

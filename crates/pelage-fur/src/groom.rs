@@ -142,6 +142,8 @@ pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>)
         root_darkening: guard.root_darkening,
         paper: u32::from(scene.render.shading == Shading::Paper),
         padding: 0,
+        origin: scene.mesh.translate,
+        more_padding: 0,
     };
     (groom, maps.finish())
 }
@@ -188,6 +190,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: undercoat.density.max().max(1e-6),
         attenuation: scene.render.simplified_attenuation,
+        origin: scene.mesh.translate,
+        padding: 0,
     };
     let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
     let table_bases = [&guard_fibre, &undercoat_fibre].map(|fibre| {

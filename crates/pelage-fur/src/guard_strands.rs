@@ -84,7 +84,9 @@ pub fn end_colors(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> [Vec3; 2] {
 /// The strand that grows from a root.
 pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
     let at = root_point(shell, root);
-    strand_at(maps, &at, sides(at.normal), root.seed, |p| to_clump(maps.groom, p))
+    strand_at(maps, &at, sides(at.normal), root.seed, |p| {
+        to_clump(maps.groom, p - Vec3::from(maps.groom.origin))
+    })
 }
 
 /// The strand with this seed that grows at a point of the skin. `sides` are those of its normal,

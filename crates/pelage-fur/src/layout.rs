@@ -99,6 +99,8 @@ shared! {
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
+        origin: [f32; 3],
+        padding: u32,
     }
     /// `shared/undercoat_types.wgsl`: derived from the skin and the memory budget.
     struct LatticeParameters {
@@ -162,6 +164,8 @@ shared! {
         root_darkening: [f32; 2],
         paper: u32,
         padding: u32,
+        origin: [f32; 3],
+        more_padding: u32,
     }
     /// `shared/lights.wgsl`
     struct Light {
@@ -299,6 +303,9 @@ shared! {
         count: u32,
         density: f32,
         seed: u32,
+        parts: u32,
+        padding: u32,
+        more_padding: [u32; 2],
     }
     /// `guard_bins.wgsl`: a grid of tiles, in samples.
     struct TileGrid {
@@ -330,6 +337,10 @@ shared! {
     /// `undercoat_light.wgsl`: the level of nodes that a dispatch works on.
     struct Sweep {
         level: u32,
+    }
+    /// `resolve.wgsl`: length of the sorted runs that a dispatch merges.
+    struct SortRun {
+        length: u32,
     }
     /// `shared/lights.wgsl`
     struct Lights {

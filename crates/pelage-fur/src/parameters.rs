@@ -131,7 +131,7 @@ impl Maps<'_> {
         match self.groom.parameters[parameter as usize].source {
             1 => at.color,
             2 => self.bilinear(parameter, at.uv),
-            3 => self.triplanar(parameter, at.position, at.normal),
+            3 => self.triplanar(parameter, at.position - Vec3::from(self.groom.origin), at.normal),
             _ => Vec4::ONE,
         }
     }

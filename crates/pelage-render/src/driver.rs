@@ -179,6 +179,7 @@ fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
         triangles: u64::from(prepared.triangles),
         strands: prepared.strands,
         subelements: prepared.subelements,
+        light_paths_cut: prepared.light_paths_cut,
         storage: if prepared.variant.stored { "stored".into() } else { "evaluated".into() },
         ..known_stats(gpu, scene)
     }

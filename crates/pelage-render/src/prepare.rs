@@ -41,6 +41,8 @@ pub struct Prepared<'g> {
     pub strands: u64,
     /// Number of subelements of the volume.
     pub subelements: u64,
+    /// Number of optical depths towards lights that end at the last step of their march.
+    pub light_paths_cut: u64,
     /// All strands, if they fit the budget.
     pub resident: Option<Strands>,
     /// If they do not: ranges of triangles whose roots are drawn again for each tile.
@@ -186,6 +188,7 @@ impl<'g> Prepared<'g> {
             walls: 0,
             strands: 0,
             subelements: volume.subelements,
+            light_paths_cut: 0,
             resident: None,
             batches: Vec::new(),
             strand_budget: world.scene.render.memory * 3 / 10,

@@ -2,7 +2,7 @@
 //! make figures of single steps.
 
 use crate::prepare::Prepared;
-use crate::tile_buffers::{TileBuffers, fragment_bytes, list_bytes};
+use crate::tile_buffers::{COUNTER_BYTES, MarchCounts, TileBuffers, fragment_bytes, list_bytes};
 use crate::twin::base_raster;
 use crate::twin::film::{Sample, unpack};
 use crate::twin::resolve::{Base, Node};
@@ -10,6 +10,7 @@ use crate::twin::undercoat_march::MarchInputs;
 use bytemuck::Pod;
 use glam::Vec2;
 use pelage_core::{Error, Result, World};
+use pelage_fur::camera::FLAG_SORTED_LISTS;
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::layout::{BASE_WORDS, Bin, Frame, FurParameters, SAMPLE_FEATURE_WORDS, SAMPLE_WORDS};
 use pelage_fur::parameters::Maps;
@@ -19,7 +20,7 @@ use pelage_fur::surface::corner_uv;
 use pelage_fur::undercoat::Undercoat;
 use pelage_fur::{camera, groom};
 use pelage_gpu::recorder::{RasterTargets, Timings};
-use pelage_gpu::{Buffer, Gpu, Recorder, Scope};
+use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -252,19 +253,45 @@ impl<'g> Probe<'g> {
     pub fn resolve(&self, exact: bool) -> Result<Vec<Sample>> {
         let count = self.samples() as u64;
         self.run(|recorder, scope| self.prepared.passes.resolve.record(recorder, scope, count, exact))?;
+        self.resolved()
+    }
+
+    /// The samples that `resolve` wrote.
+    fn resolved(&self) -> Result<Vec<Sample>> {
         let features = self.prepared.variant.features;
         let of_sample = SAMPLE_WORDS + if features { SAMPLE_FEATURE_WORDS } else { 0 };
         let words: Vec<u32> = self.read("samples", self.samples() * of_sample as usize)?;
         Ok(words.chunks_exact(of_sample as usize).map(unpack).collect())
     }
 
-    /// Number of rays that the march lost, and length of the longest list.
+    /// Sorts the lists and resolves them; the counts begin again.
     ///
     /// # Errors
     /// [`Error::Gpu`].
-    pub fn counters(&self) -> Result<[u32; 2]> {
-        let words: Vec<u32> = self.read("march_counters", 2)?;
-        Ok([words[0], words[1]])
+    pub fn sort_and_resolve(&self, exact: bool) -> Result<Vec<Sample>> {
+        let gpu = self.prepared.gpu;
+        let count = self.samples() as u64;
+        let frame = Frame { flags: self.frame.flags | FLAG_SORTED_LISTS, ..self.frame };
+        let frame = gpu.uniform("frame", &frame)?;
+        let lists = self.buffers.buffer("fragment_lists")?;
+        let longest = self.counters()?.longest;
+        let mut runs = Vec::new();
+        self.run(|recorder, scope| {
+            let scope = scope.with(&[&frame]).and("lists_to_sort", Resource::Buffer(&lists.raw));
+            let resolve = &self.prepared.passes.resolve;
+            runs = resolve.record_sort(gpu, recorder, &scope, count, longest)?;
+            recorder.clear(self.buffers.buffer("march_counters")?, COUNTER_BYTES);
+            resolve.record(recorder, &scope, count, exact)
+        })?;
+        self.resolved()
+    }
+
+    /// What the march and `resolve` counted.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn counters(&self) -> Result<MarchCounts> {
+        self.buffers.counts(self.prepared.gpu)
     }
 
     /// The fragments of each sample, nearest first.

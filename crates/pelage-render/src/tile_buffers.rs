@@ -14,6 +14,53 @@ use pelage_gpu::{Buffer, Buffers, Gpu, Resource, Scope};
 /// Bytes per fragment in the lists, without features.
 pub const FRAGMENT_BYTES: u64 = 4 * NODE_WORDS as u64;
 
+/// Bytes of `march_counters`; `shaders/shared/march_counters.wgsl` names its words.
+pub const COUNTER_BYTES: u64 = 32;
+
+/// What steps 5 and 7 count in `march_counters`.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct MarchCounts {
+    /// Rays that lost their place in the shell.
+    pub rays_lost: u64,
+    /// Length of the longest list.
+    pub longest: u64,
+    /// Fragments in the lists that `resolve` walked.
+    pub listed: u64,
+    /// Fragments of these that it did not reach before the adapter ended the loops.
+    pub unread: u64,
+    /// Rays of `resolve` whose loops the adapter ended.
+    pub rays_cut: u64,
+    /// Nested marches towards a light that reached their last step.
+    pub light_paths_cut: u64,
+    /// Rays of `undercoat_march` whose loops the adapter ended.
+    pub marches_cut: u64,
+}
+
+impl MarchCounts {
+    /// Counts of two passes over the image.
+    pub fn plus(self, other: Self) -> Self {
+        Self {
+            rays_lost: self.rays_lost + other.rays_lost,
+            longest: self.longest.max(other.longest),
+            listed: self.listed + other.listed,
+            unread: self.unread + other.unread,
+            rays_cut: self.rays_cut + other.rays_cut,
+            light_paths_cut: self.light_paths_cut + other.light_paths_cut,
+            marches_cut: self.marches_cut + other.marches_cut,
+        }
+    }
+
+    /// These counts after `resolve` has run once more and counted `again`, from zero.
+    pub fn resolved_again(self, again: Self) -> Self {
+        Self {
+            rays_lost: self.rays_lost.max(again.rays_lost),
+            light_paths_cut: self.light_paths_cut.max(again.light_paths_cut),
+            marches_cut: self.marches_cut,
+            ..again
+        }
+    }
+}
+
 /// Words per sample besides fragments: base record, list head, film sample, triangle number, depth.
 const WORDS: u32 = BASE_WORDS + 1 + SAMPLE_WORDS + 1 + 1;
 
@@ -55,7 +102,7 @@ impl TileBuffers {
             gpu.storage("base_records", 5, samples * 4 * u64::from(BASE_WORDS))?,
             gpu.storage("fragment_lists", 6, list_bytes)?,
             gpu.storage("samples", 7, samples * 4 * u64::from(sample_words))?,
-            gpu.storage("march_counters", 7, 16)?,
+            gpu.storage("march_counters", 7, COUNTER_BYTES)?,
         ];
         use wgpu::TextureUsages as U;
         let texture = |format, usage| {
@@ -83,6 +130,24 @@ impl TileBuffers {
     /// [`Error::Gpu`] if there is none of that name; it lists the names that exist.
     pub fn buffer(&self, name: &str) -> Result<&Buffer> {
         self.buffers.get(name)
+    }
+
+    /// Reads `march_counters`.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`], [`Error::DeviceLost`].
+    pub fn counts(&self, gpu: &Gpu) -> Result<MarchCounts> {
+        let words: Vec<u32> = gpu.read(self.buffer("march_counters")?, COUNTER_BYTES)?;
+        let word = |i: usize| u64::from(words.get(i).copied().unwrap_or(0));
+        Ok(MarchCounts {
+            rays_lost: word(0),
+            longest: word(1),
+            listed: word(2),
+            unread: word(3),
+            rays_cut: word(4),
+            light_paths_cut: word(5),
+            marches_cut: word(6),
+        })
     }
 
     /// Number of fragments that fit the lists of a tile of `samples` samples.

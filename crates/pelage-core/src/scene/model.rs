@@ -204,6 +204,11 @@ pub struct MeshSpec {
     pub front: Option<Front>,
     /// Report faults of the mesh as errors instead of repairing them.
     pub strict: bool,
+    /// How often each triangle is divided into four at the middles of its edges; the surface stays
+    /// the same. Heights and colours of the undercoat are read at points of the mesh, so maps with
+    /// more detail than it has triangles need this.
+    #[schemars(range(min = 0, max = 6))]
+    pub subdivide: u32,
     /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals.
     /// Fur would part along every edge.
     pub faceted: bool,
@@ -576,7 +581,8 @@ pub struct Undercoat {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseDomain {
-    /// 3D simplex noise on the skin's positions: no seams, no uv needed.
+    /// 3D simplex noise on the skin's positions, relative to `mesh.translate`: no seams, no uv
+    /// needed.
     #[default]
     Object,
     /// 2D simplex noise on uv as in Andersen et al. 2016 (needs uv; frequencies are per uv unit).

@@ -84,7 +84,7 @@ pub fn shade(
                 let [low, high] = [node, node + 1].map(|node| lattice.scattered(node));
                 (0..2).for_each(|k| scattered[k] += cell.weights[c] * low[k].lerp(high[k], cell.fraction));
             }
-            let normal = place.extrusion(place.lambda).normalize();
+            let normal = place.direction(place.lambda);
             radiance += table.guard_response(albedo, along, view, normal, scattered);
         }
         if groom.paper == 1 {
