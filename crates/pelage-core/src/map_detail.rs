@@ -39,18 +39,18 @@ pub(crate) fn notes(scene: &Scene, skin: &Skin, maps: &MapSet) -> Vec<String> {
         ("undercoat.color_tip", &scene.undercoat.color_tip),
         ("base.color", &scene.base.color),
     ];
-    let image = |name: &str, color| {
-        let found = if name == VERTEX_COLOR { None } else { maps.index_of(name, color) };
+    let image = |name: &str, layer: &str, color| {
+        let found = if name == VERTEX_COLOR { None } else { maps.index_of(name, layer, color) };
         found.map(|index| &maps.images[index])
     };
     let scalars = scalars.into_iter().chain([density]).filter_map(|(key, scalar, at_vertices)| {
         let Scalar::Mapped(map) = scalar else { return None };
         let channel = Some(map.channel.index());
-        image(&map.map, false).map(|image| Use { key, image, channel, at_vertices })
+        image(&map.map, &map.layer, false).map(|image| Use { key, image, channel, at_vertices })
     });
     let colors = colors.into_iter().filter_map(|(key, color)| {
         let Color::Mapped(map) = color else { return None };
-        image(&map.map, true).map(|image| Use { key, image, channel: None, at_vertices: false })
+        image(&map.map, &map.layer, true).map(|image| Use { key, image, channel: None, at_vertices: false })
     });
     scalars.chain(colors).filter_map(|of| note(&of, skin)).collect()
 }
