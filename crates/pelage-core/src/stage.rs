@@ -143,7 +143,8 @@ fn frame(camera: &mut Camera, [azimuth, elevation]: [f32; 2], aspect: f32, point
     camera.view = None;
 }
 
-/// The multiple of `unit`, a power of ten, that is nearest to x: with as few decimals as that takes.
+/// The multiple of `unit`, a power of ten, that is nearest to x: with as few decimals as that
+/// takes.
 fn rounded(x: f32, unit: f64) -> f32 {
     let steps = (f64::from(x) / unit).round();
     // Division by a power of ten is exact to the last digit, multiplication by a tenth is not.
