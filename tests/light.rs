@@ -1,6 +1,7 @@
 //! Environment maps, and the directional lights that replace them.
 
-use crate::common::{assets, cases};
+use crate::common::worlds::{ball, plane, render};
+use crate::common::{assets, cases, gpu};
 use glam::{DVec3, Quat, Vec3};
 use pelage_core::assets::Assets;
 use pelage_core::film::Film;
@@ -266,4 +267,21 @@ fn lights_have_distinct_directions() {
     }
     assert!(lights[0].direction.as_dvec3().angle_between(sun) < 0.005);
     assert!(((map.total() - sum(&lights)) / map.total()).abs().max_element() < 1e-6);
+}
+
+/// Half floats hold at most 65,504: what is brighter is cut there, and stays a number.
+#[test]
+fn bright_lights_stay_finite() {
+    if gpu::open().is_none() {
+        return;
+    }
+    for irradiance in [1e6, 1e30] {
+        let film = render(&ball(|scene| scene.lights[0].irradiance = [irradiance; 3])).film;
+        let brightest = ["R", "G", "B", "A"].map(|name| {
+            let values = plane(&film, name);
+            assert!(values.iter().all(|v| v.is_finite()), "{name} at {irradiance}");
+            values.iter().fold(0.0_f32, |a, b| a.max(*b))
+        });
+        assert!(brightest[0] > 1e4, "{brightest:?} at {irradiance}");
+    }
 }

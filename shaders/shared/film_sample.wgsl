@@ -14,8 +14,8 @@ struct FilmSample {
 }
 
 fn pack_film_sample(s: FilmSample) -> array<vec4u, 2> {
-    return array<vec4u, 2>(vec4u(pack_half3x2(s.guard, s.undercoat), pack2x16float(s.base.rg)),
-        vec4u(pack2x16float(vec2f(s.base.b, s.through)), bitcast<u32>(s.z), s.normal, s.fragments));
+    return array<vec4u, 2>(vec4u(pack_half3x2(s.guard, s.undercoat), pack2x16float(within_half2(s.base.rg))),
+        vec4u(pack2x16float(within_half2(vec2f(s.base.b, s.through))), bitcast<u32>(s.z), s.normal, s.fragments));
 }
 
 fn unpack_film_sample(first: vec4u, second: vec4u) -> FilmSample {

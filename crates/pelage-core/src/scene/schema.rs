@@ -89,9 +89,11 @@ pub(super) fn describe(schema: &'static Json) -> String {
         Some("boolean") => "true or false".into(),
         Some("array") => {
             let item = schema.get("items").map_or_else(|| "values".into(), |items| plural(resolve(items)));
-            match schema.get("minItems").and_then(Json::as_u64) {
-                Some(n) => format!("an array of {n} {item}"),
-                None => format!("an array of {item}"),
+            let bound = |key| schema.get(key).and_then(Json::as_u64);
+            match (bound("minItems"), bound("maxItems")) {
+                (Some(n), _) => format!("an array of {n} {item}"),
+                (None, Some(most)) => format!("an array of at most {most} {item}"),
+                (None, None) => format!("an array of {item}"),
             }
         }
         Some("object") => {
