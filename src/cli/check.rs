@@ -5,10 +5,10 @@ use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
 use pelage::render::{self, RenderOptions};
-use pelage::scene::{Scalar, Storage};
+use pelage::scene::Scalar;
 use pelage::{Error, Result, World};
 use pelage_fur::extent::Extent;
-use pelage_render::prepare::{lattice_bytes, strand_bytes};
+use pelage_render::prepare::{lattice_bytes, stores_undercoat, strand_bytes};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
@@ -62,6 +62,8 @@ struct Bytes {
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
 const SUBELEMENT: u64 = 4;
+/// The least that any adapter allows for a binding.
+const BINDING: u64 = 128 << 20;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
@@ -109,11 +111,12 @@ fn counts(world: &World) -> Counts {
 }
 
 fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
-    let stored = world.scene.undercoat.storage != Storage::Evaluated;
+    let media = counts.subelements * SUBELEMENT;
+    let stored = stores_undercoat(world, media, BINDING);
     Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
         strands: counts.strands * strand_bytes(world.scene.guard.segments, false),
-        undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
+        undercoat: if stored { media } else { 0 },
         lattice: lattice_bytes(world)?,
         maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
         budget: world.scene.render.memory,

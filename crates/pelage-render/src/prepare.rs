@@ -75,16 +75,23 @@ impl Volume {
     fn plan(gpu: &Gpu, world: &World) -> Result<Self> {
         let (subdivisions, subelements) = subdivide(&world.skin, world, groom::has_undercoat(&world.scene));
         let bytes = subelements * 4;
-        let room = gpu.binding_limit().min(world.scene.render.memory * 2 / 5);
         let stored = match world.scene.undercoat.storage {
             Storage::Stored if bytes > gpu.binding_limit() => {
                 return Err(Error::OutOfMemory { pass: "undercoat_density".into(), needed: bytes });
             }
-            Storage::Stored => true,
-            Storage::Auto => bytes <= room,
-            Storage::Evaluated => false,
+            _ => stores_undercoat(world, bytes, gpu.binding_limit()),
         };
         Ok(Self { subdivisions, subelements, stored })
+    }
+}
+
+/// Whether the media of the undercoat, `bytes` in all, are stored where a binding holds at most
+/// `binding` bytes.
+pub fn stores_undercoat(world: &World, bytes: u64, binding: u64) -> bool {
+    match world.scene.undercoat.storage {
+        Storage::Stored => true,
+        Storage::Auto => bytes <= binding.min(world.scene.render.memory * 2 / 5),
+        Storage::Evaluated => false,
     }
 }
 

@@ -34,6 +34,7 @@ pub fn template(scene: &Scene, about: &str) -> Result<String> {
     let (scene, mut base) = (value(scene)?, value(&base)?);
     if let Some(table) = base.as_table_mut() {
         table.insert("mesh".into(), value_of(super::MeshSpec::default())?);
+        table.insert("environment".into(), value_of(super::Environment::default())?);
     }
     let mut text: String =
         about.lines().map(|line| format!("# {line}").trim_end().to_owned() + "\n").collect();
@@ -51,21 +52,33 @@ pub fn template(scene: &Scene, about: &str) -> Result<String> {
                     text += &lines(&[name, "0"], item, None, "");
                 }
             }
-            Value::Table(_) if base.get(name) != Some(value) => {
+            Value::Table(_) if base.get(name) != Some(value) || name == "environment" => {
                 text += &format!("\n[{name}]\n");
                 text += &lines(&[name], value, base.get(name), "");
+                text += &suggested(name, value, base.get(name), true);
             }
             _ => {}
         }
     }
     text += "\n# The coat, with the values above; take away the # of a line and of its table to change it.\n";
-    for (name, keys) in FIRST {
-        let Some(table) = scene.get(name).and_then(Value::as_table) else { continue };
-        let chosen = table.iter().filter(|(key, _)| keys.contains(&key.as_str()));
-        let chosen = Value::Table(chosen.map(|(k, v)| (k.clone(), v.clone())).collect());
-        text += &format!("\n# [{name}]\n{}", lines(&[name], &chosen, None, "# "));
+    for (name, _) in FIRST {
+        // A table that is written above has these lines there.
+        if let Some(value) = scene.get(name).filter(|value| base.get(name) == Some(*value)) {
+            text += &format!("\n# [{name}]\n{}", suggested(name, value, None, false));
+        }
     }
     Ok(text)
+}
+
+/// The keys of table `name` that a person changes first, as comments; without those that differ
+/// from `base` if they are `written` already.
+fn suggested(name: &str, table: &Value, base: Option<&Value>, written: bool) -> String {
+    let Some((_, keys)) = FIRST.iter().find(|(first, _)| *first == name) else { return String::new() };
+    let same = |key: &str, value: &Value| base.and_then(|base| base.get(key)) == Some(value);
+    let chosen = table.as_table().into_iter().flatten();
+    let chosen = chosen.filter(|(key, value)| keys.contains(&key.as_str()) && (!written || same(key, value)));
+    let chosen = Value::Table(chosen.map(|(k, v)| (k.clone(), v.clone())).collect());
+    lines(&[name], &chosen, None, "# ")
 }
 
 fn value(scene: &Scene) -> Result<Value> {
@@ -118,7 +131,10 @@ fn about(path: &[&str], key: &str) -> String {
         .and_then(serde_json::Value::as_str)
         .unwrap_or_default();
     let line = text.split("\n\n").next().unwrap_or_default().replace('\n', " ");
-    line.split_once(". ").map_or(line.as_str(), |(first, _)| first).trim_end_matches('.').to_owned()
+    // A capital follows the end of a sentence, but not an abbreviation.
+    let ends = line.match_indices(". ").map(|(at, _)| at);
+    let end = ends.into_iter().find(|at| line[at + 2..].starts_with(char::is_uppercase));
+    line[..end.unwrap_or(line.len())].trim_end_matches('.').to_owned()
 }
 
 #[cfg(test)]
@@ -137,7 +153,13 @@ mod tests {
         assert_eq!(Scene::parse(&written, "b", &[]).unwrap(), scene, "{written}");
         assert!(written.starts_with("# A body.\n#\n# Two.\n"), "{written}");
         assert!(written.contains("# [undercoat]\n# color_root"), "{written}");
+        // Without the marks of all suggestions it is a scene still.
+        let bare: String =
+            written.lines().skip(3).map(|l| l.strip_prefix("# ").unwrap_or(l).to_owned() + "\n").collect();
+        let bare = bare.replace("The coat, with the values above", "# The coat");
+        assert_eq!(Scene::parse(&bare, "c", &[]).unwrap(), scene, "{bare}");
         assert!(written.contains("spp = 7"), "{written}");
+        assert!(!written.contains("et al\n") && !written.contains("rotate = 0 "), "{written}");
         assert!(!written.contains("aperture"), "defaults are left out: {written}");
     }
 }
