@@ -44,6 +44,7 @@ mod maps;
 mod mesh;
 mod mesh_faults;
 mod noise;
+mod parts;
 mod pathtrace_curve;
 mod pathtrace_grow;
 mod pathtrace_light;

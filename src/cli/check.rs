@@ -4,7 +4,7 @@ use super::Global;
 use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage::scene::{FurLayers, Scalar, Storage};
+use pelage::scene::{FurLayers, Storage};
 use pelage::{Error, Result, Scene, World};
 use serde::Serialize;
 
@@ -78,13 +78,14 @@ fn counts(world: &World) -> Counts {
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
         lights: world.lights.len() as u64,
-        strands: if guard { expected_strands(&scene.guard.density, area) } else { 0 },
+        strands: if guard { expected_strands(scene, area) } else { 0 },
         subelements: if undercoat { subelements(world) } else { 0 },
     }
 }
 
-fn expected_strands(density: &Scalar, area: f64) -> u64 {
-    (area * f64::from(density.max().max(0.0))).round() as u64
+fn expected_strands(scene: &Scene, area: f64) -> u64 {
+    let density = scene.largest(|coat| coat.guard.density.max()).max(0.0);
+    (area * f64::from(density)).round() as u64
 }
 
 /// Layers times 4^d, with d from the longest edge if the scene does not set it.
@@ -103,7 +104,7 @@ fn subelements(world: &World) -> u64 {
 }
 
 fn bytes(world: &World, counts: &Counts) -> Bytes {
-    let segments = u64::from(world.scene.guard.segments);
+    let segments = world.scene.coats().map(|coat| u64::from(coat.guard.segments)).max().unwrap_or(1);
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
     Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,

@@ -61,7 +61,7 @@ pub fn skin(positions: Vec<Vec3>, triangles: Vec<[u32; 3]>) -> Skin {
     }
     let normals = normals.into_iter().map(|n| n.normalize_or(Vec3::Y)).collect();
     let colors = vec![Vec3::ONE; positions.len()];
-    Skin { positions, normals, colors, triangles, corner_uv: None, notes: Vec::new() }
+    Skin { positions, normals, colors, triangles, ..Skin::default() }
 }
 
 /// The uv of each vertex: that of its last corner.

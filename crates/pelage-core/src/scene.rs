@@ -14,6 +14,8 @@ mod load;
 pub mod model;
 mod output;
 mod overrides;
+mod part;
+mod parts;
 pub mod preset;
 mod rules;
 mod schema;

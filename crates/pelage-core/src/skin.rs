@@ -5,6 +5,15 @@ use glam::{Vec2, Vec3};
 /// Index of a missing neighbour: the edge is a boundary.
 pub const NONE: u32 = u32::MAX;
 
+/// A group of the mesh with a material.
+#[derive(Debug, Clone, Default, PartialEq, Eq)]
+pub struct Section {
+    /// Name of the group; empty if it has none.
+    pub group: String,
+    /// Name of the material; empty if it has none.
+    pub material: String,
+}
+
 /// The surface that carries the fur, in world space (cm).
 ///
 /// Positions are welded, so that edges are shared wherever two triangles touch; uv coordinates stay
@@ -23,6 +32,10 @@ pub struct Skin {
     /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up
     /// triplanar).
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
+    /// Sections of the mesh, each a group with a material.
+    pub sections: Vec<Section>,
+    /// Index in `sections` of each triangle; empty where all are of the first.
+    pub section_of: Vec<u32>,
     /// What loading repaired or noticed, to be reported to the user.
     pub notes: Vec<String>,
 }

@@ -27,7 +27,9 @@ impl World {
     /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no
     /// sense; [`crate::Error::Io`] where a mesh cannot be read.
     pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
-        let skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
+        let mut skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
+        crate::parts::check(&scene, &skin)?;
+        skin.notes.extend(crate::parts::notes(&scene));
         let lights = crate::light::lights_of(&scene, assets)?;
         let maps = MapSet::load(&scene, assets)?;
         let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;

@@ -97,6 +97,7 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
             MultipleModel::Dual => 1,
             MultipleModel::Transport => 2,
         },
+        coats: packed.groom.count,
     }
 }
 

@@ -70,6 +70,7 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         triangles: mesh.triangles,
         corner_uv: mesh.corner_uv,
         notes,
+        ..Skin::default()
     };
     (skin, repairs)
 }

@@ -91,7 +91,10 @@ pub(super) fn describe(schema: &'static Json) -> String {
             let item = schema.get("items").map_or_else(|| "values".into(), |items| plural(resolve(items)));
             match schema.get("minItems").and_then(Json::as_u64) {
                 Some(n) => format!("an array of {n} {item}"),
-                None => format!("an array of {item}"),
+                None => match schema.get("maxItems").and_then(Json::as_u64) {
+                    Some(most) => format!("an array of at most {most} {item}"),
+                    None => format!("an array of {item}"),
+                },
             }
         }
         Some("object") => {

@@ -2,6 +2,7 @@
 
 use super::Prepared;
 use pelage_core::{Error, Result, World};
+use pelage_fur::groom;
 use pelage_fur::layout::{Root, RootRange, StrandBatch};
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Buffer, Buffers, Recorder, Scope};
@@ -53,7 +54,7 @@ impl Prepared<'_> {
     /// [`Error::OutOfMemory`] if the strands of one triangle exceed it.
     pub(super) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
-        let density = world.scene.guard.density.max();
+        let density = groom::guard_density(&world.scene);
         let seed = world.scene.render.seed;
         let counts = gpu.storage("root_counts", 1, u64::from(self.triangles) * 4)?;
         let range = RootRange { first: 0, count: self.triangles, density, seed };
