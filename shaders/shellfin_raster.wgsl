@@ -83,7 +83,7 @@ struct ShellVarying {
     @location(4) undercoat: vec3f,
     @location(5) guard: vec3f,
     @location(6) skin_uv: vec2f,
-    @location(7) color: vec3f,
+    @location(7) color: vec4f,
     @location(8) lean: vec3f,      // direction of hairs other than guard hairs
     @location(9) @interpolate(flat) row: u32,
     @location(10) @interpolate(flat) patch_index: u32,
@@ -115,7 +115,7 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
         length = scalar(SHELL_LENGTH, point_of_vertex(skin, corner.skin_uv, corner.vertex));
     }
     return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent,
-        lit.undercoat, lit.guard, corner.skin_uv, unpack4x8unorm(skin.color).rgb, lean, row, corner.patch_index,
+        lit.undercoat, lit.guard, corner.skin_uv, unpack4x8unorm(skin.color), lean, row, corner.patch_index,
         length);
 }
 

@@ -145,7 +145,7 @@ fn start_logging(quiet: bool) {
 fn report(error: &Error) {
     match error {
         Error::Scene(faults) => {
-            for fault in faults {
+            for fault in pelage_core::error::shown_faults(faults) {
                 eprintln!("error: {fault}");
             }
             if faults.len() > 1 {

@@ -472,7 +472,7 @@ fn errors_of_the_command_are_readable() {
     fails(&[&fine, "-D", "lapped.radios=2"], 3, &["radios", "radius"]);
     fails(&[&fine, "-D", "no_value"], 2, &["key.path=value"]);
     pelage(&["lapped", &fine]).expect(2, &["--outfile"]);
-    pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH.obj"]);
+    pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH"]);
     let taken = folder.write("taken", "");
     pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be created"]);
     let mut here = command();

@@ -43,6 +43,7 @@ mod light_occlusion;
 mod maps;
 mod mesh;
 mod mesh_faults;
+mod mesh_formats;
 mod noise;
 mod parts;
 mod pathtrace_curve;

@@ -1,11 +1,14 @@
 //! OBJ files with the defects of real files, and with deliberate ones.
 
 use crate::common::cases;
+use crate::common::mesh_files::{self as files, Body};
+use crate::common::{Folder, pelage};
 use glam::{Vec2, Vec3};
 use pelage_core::mesh::obj::{Limits, parse, read};
+use pelage_core::mesh::topology::neighbours;
 use pelage_core::mesh::{Mesh, load, skin_of};
-use pelage_core::scene::MeshSpec;
-use pelage_core::{Error, Result};
+use pelage_core::scene::{MeshSpec, Units};
+use pelage_core::{Error, Result, Scene, Skin, World};
 use proptest::prelude::*;
 use std::path::Path;
 
@@ -224,6 +227,240 @@ fn strict_lists_every_repair() {
     }
     let spec = MeshSpec { strict: false, ..spec };
     assert_eq!(load(&spec, &|_| Ok(path.clone())).expect("repaired").triangles.len(), 2);
+}
+
+/// A ball of quads, with triangles around its poles, radius 5: vertices and faces, each
+/// counter-clockwise from outside.
+fn ball() -> (Vec<Vec3>, Vec<Vec<u32>>) {
+    const AROUND: u32 = 24;
+    const RINGS: u32 = 11;
+    let mut positions = vec![Vec3::Y * 5.0, Vec3::NEG_Y * 5.0];
+    for ring in 1..=RINGS {
+        let (sin, cos) = (std::f32::consts::PI * ring as f32 / (RINGS + 1) as f32).sin_cos();
+        positions.extend((0..AROUND).map(|i| {
+            let (z, x) = (std::f32::consts::TAU * i as f32 / AROUND as f32).sin_cos();
+            5.0 * Vec3::new(sin * x, cos, sin * z)
+        }));
+    }
+    let at = |ring: u32, i: u32| 2 + ring * AROUND + i % AROUND;
+    let mut faces = Vec::new();
+    for i in 0..AROUND {
+        faces.push(vec![0, at(0, i + 1), at(0, i)]);
+        faces.push(vec![1, at(RINGS - 1, i), at(RINGS - 1, i + 1)]);
+        for ring in 0..RINGS - 1 {
+            faces.push(vec![at(ring, i), at(ring, i + 1), at(ring + 1, i + 1), at(ring + 1, i)]);
+        }
+    }
+    (positions, faces)
+}
+
+fn obj_text(positions: &[Vec3], faces: &[Vec<u32>]) -> String {
+    let mut text: String = positions.iter().map(|p| format!("v {} {} {}\n", p.x, p.y, p.z)).collect();
+    for face in faces {
+        text += "f";
+        face.iter().for_each(|i| text += &format!(" {}", i + 1));
+        text += "\n";
+    }
+    text
+}
+
+fn outwards(skin: &Skin) -> bool {
+    (0..skin.triangles.len()).all(|t| {
+        let [a, b, c] = skin.corners(t);
+        (b - a).cross(c - a).dot(a + b + c) > 0.0
+    })
+}
+
+#[test]
+fn faces_that_are_there_twice_are_dropped() {
+    let (positions, faces) = ball();
+    let once = 2 * 24 + 2 * 10 * 24;
+    let check = |skin: &Skin, name: &str| {
+        assert_eq!(skin.triangles.len(), once, "{name}: {:?}", skin.notes);
+        let topology = neighbours(&skin.triangles);
+        assert_eq!(
+            (topology.boundary_edges, topology.non_manifold_edges),
+            (0, 0),
+            "{name}: {:?}",
+            skin.notes
+        );
+        assert!(outwards(skin), "{name}");
+    };
+    let again = |change: fn(&mut Vec<u32>)| {
+        let copies = faces.iter().cloned().map(|mut f| {
+            change(&mut f);
+            f
+        });
+        obj_text(&positions, &faces.iter().cloned().chain(copies).collect::<Vec<_>>())
+    };
+    let rows: [(&str, fn(&mut Vec<u32>)); 5] = [
+        ("the same", |_| ()),
+        ("turned by one corner", |f| f.rotate_left(1)),
+        ("reversed", |f| f.reverse()),
+        ("reversed and turned", |f| {
+            f.reverse();
+            f.rotate_left(1);
+        }),
+        ("turned by two", |f| f.rotate_left(2)),
+    ];
+    for (name, change) in rows {
+        let skin = skin_of(obj(again(change)).expect(name));
+        check(&skin, name);
+        assert!(
+            skin.notes.iter().any(|n| n.starts_with("240 faces that were there before")),
+            "{:?}",
+            skin.notes
+        );
+    }
+    // As triangles, along this or the other diagonal, and with vertices of their own.
+    let cut = |start: usize, faces: &[Vec<u32>]| -> Vec<[u32; 3]> {
+        let fan = |f: &Vec<u32>| {
+            let f = f.clone();
+            let n = f.len();
+            (1..n - 1)
+                .map(move |i| [f[start % n], f[(start + i) % n], f[(start + i + 1) % n]])
+                .collect::<Vec<_>>()
+        };
+        faces.iter().flat_map(fan).collect()
+    };
+    for start in [0, 1] {
+        let mut triangles = cut(0, &faces);
+        triangles.extend(cut(start, &faces).iter().map(|[a, b, c]| [*a, *c, *b]));
+        let body = Body { positions: positions.clone(), triangles };
+        let folder = Folder::new();
+        for (name, bytes) in files::all(&body) {
+            folder.write(name, bytes);
+            let path = folder.path().join(name);
+            let spec = MeshSpec { path: Some(name.into()), units: Some(Units::Cm), ..MeshSpec::default() };
+            let skin = load(&spec, &|_| Ok(path.clone())).expect(name);
+            check(&skin, name);
+            assert!(
+                skin.notes.iter().any(|n| n == &format!("{once} duplicate triangles dropped")),
+                "{:?}",
+                skin.notes
+            );
+        }
+    }
+    // Quads, and the same again as triangles along the other diagonal.
+    let mixed: Vec<Vec<u32>> =
+        faces.iter().cloned().chain(cut(1, &faces).iter().map(|t| t.to_vec())).collect();
+    check(&skin_of(obj(obj_text(&positions, &mixed)).expect("mixed")), "mixed");
+    // A tetrahedron and two quads that share three corners are what they are.
+    let tetrahedron = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nf 1 3 2\nf 1 2 4\nf 2 3 4\nf 3 1 4\n";
+    assert_eq!(skin_of(obj(tetrahedron).expect("tetrahedron")).triangles.len(), 4);
+}
+
+#[test]
+fn open_parts_are_turned_outwards() {
+    let (positions, faces) = ball();
+    let above = |f: &Vec<u32>, height: f32| f.iter().all(|i| positions[*i as usize].y < height);
+    let reversed = |faces: &[Vec<u32>]| -> Vec<Vec<u32>> {
+        faces.iter().map(|f| f.iter().rev().copied().collect()).collect()
+    };
+    // Inside out, with a hole of more and more of the ball.
+    for height in [4.9, 4.0, 2.0, 0.5] {
+        let kept: Vec<_> = faces.iter().filter(|f| above(f, height)).cloned().collect();
+        let skin = skin_of(obj(obj_text(&positions, &reversed(&kept))).expect("a ball"));
+        assert!(outwards(&skin), "{height}");
+        assert!(skin.notes.iter().any(|n| n.starts_with("1 open parts turned outwards")), "{:?}", skin.notes);
+        let skin = skin_of(obj(obj_text(&positions, &kept)).expect("a ball"));
+        assert!(outwards(&skin) && !skin.notes.iter().any(|n| n.contains("turned")), "{:?}", skin.notes);
+        // Half of the faces wound the other way.
+        let mut mixed = kept.clone();
+        mixed.iter_mut().step_by(2).for_each(|f| f.reverse());
+        assert!(outwards(&skin_of(obj(obj_text(&positions, &mixed)).expect("a ball"))), "{height}");
+    }
+    // A shallow dish has no inside: its file says which side is up.
+    let dish: Vec<_> = faces.iter().filter(|f| above(f, -3.5)).cloned().collect();
+    let skin = skin_of(obj(obj_text(&positions, &reversed(&dish))).expect("a dish"));
+    assert!(skin.triangles.len() > 48 && !outwards(&skin));
+    assert!(!skin.notes.iter().any(|n| n.contains("turned")), "{:?}", skin.notes);
+}
+
+#[test]
+fn one_bright_vertex_does_not_change_the_others() {
+    let colors = |rows: &[&str]| {
+        let vertices: String =
+            rows.iter().enumerate().map(|(i, c)| format!("v {i} {} 0 {c}\n", i * i)).collect();
+        obj(format!("{vertices}f 1 2 3\n")).expect("colours")
+    };
+    let mesh = colors(&["0.5 0.5 0.5", "1.0001 0.25 1", "3 0 0"]);
+    assert_eq!(mesh.colors, [Vec3::splat(0.5), Vec3::new(1.0, 0.25, 1.0), Vec3::X]);
+    assert!(mesh.notes[0].starts_with("2 vertex colours above 1 clamped"), "{:?}", mesh.notes);
+    // One value of 2 among ones and zeros is no byte either.
+    let mesh = colors(&["1 1 1", "0 1 0", "2 0 0"]);
+    assert_eq!(mesh.colors[0], Vec3::ONE);
+    assert!(mesh.notes[0].starts_with("1 vertex colours above 1"), "{:?}", mesh.notes);
+    let mesh = colors(&["255 0 51", "102 0 0", "300 0 0"]);
+    assert_eq!(mesh.colors, [Vec3::new(1.0, 0.0, 0.2), Vec3::new(0.4, 0.0, 0.0), Vec3::X]);
+    assert!(mesh.notes[0].contains("0..255, 1 above 255 clamped"), "{:?}", mesh.notes);
+}
+
+#[test]
+fn zbrush_colours_and_alpha_are_read() {
+    let square = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n";
+    let text = format!(
+        "{square}# the colours\r\n#MRGB ff336600ff00FF00\r\n#MRGB 80ffffffff000033\r\nf 4 3 2\nf 4 2 1\n"
+    );
+    let mesh = obj(&text).expect("MRGB");
+    let of = |p: Vec3| mesh.positions.iter().position(|q| *q == p).expect("a vertex");
+    assert_eq!(mesh.colors[of(Vec3::ZERO)], Vec3::new(0.2, 0.4, 0.0));
+    assert_eq!(mesh.colors[of(Vec3::X)], Vec3::Y);
+    assert_eq!(mesh.colors[of(Vec3::Y)], Vec3::new(0.0, 0.0, 0.2));
+    assert_eq!(mesh.alphas[of(Vec3::new(1.0, 1.0, 0.0))], 128.0 / 255.0);
+    assert!(
+        mesh.notes.iter().any(|n| n.starts_with("4 vertex colours read from ZBrush")),
+        "{:?}",
+        mesh.notes
+    );
+    let short = obj(format!("{square}#MRGB ff336600\nf 1 2 3 4\n")).expect("one colour");
+    assert!(short.notes.iter().any(|n| n.starts_with("3 vertices without an #MRGB")), "{:?}", short.notes);
+    for damaged in ["ff33660", "ff33660g"] {
+        let message = obj(format!("{square}#MRGB {damaged}\nf 1 2 3\n")).expect_err("damaged").to_string();
+        assert!(message.contains("test.obj:5") && message.contains("MMRRGGBB"), "{message}");
+    }
+    // Alpha, also of a vertex that no face uses; and what a groom reads from it.
+    let folder = Folder::new();
+    folder.write(
+        "a.obj",
+        "v 9 9 9 1 1 1 0.1\nv 0 0 0 0.5 1 1 0.25\nv 1 0 0 1 1 1 1\nv 0 1 0 1 1 1 7\nf 2 3 4\n",
+    );
+    let scene = "[mesh]\npath = \"a.obj\"\n[guard]\nlength = { map = \"vertex_color\", channel = \"a\", value = 2 }\n";
+    let path = folder.write("s.toml", scene);
+    let (scene, assets) = Scene::load(Path::new(&path), &[]).expect("a scene");
+    let world = World::load(scene, &assets).expect("a world");
+    assert_eq!(world.skin.alphas, [0.25, 1.0, 1.0]);
+    assert!(world.skin.colored && !world.skin.notes.iter().any(|n| n.contains("vertex colours")));
+    let packed = pelage_fur::groom::pack(&world).expect("packed");
+    let maps = pelage_fur::parameters::Maps { groom: &packed.groom, texels: &packed.texels };
+    let at = pelage_fur::parameters::triangle_point(&world.skin, 0, Vec3::new(1.0, 0.0, 0.0));
+    assert_eq!(maps.scalar(pelage_fur::parameters::Parameter::GuardLength, &at), 0.5);
+    // A mesh without colours is named.
+    folder.write("a.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    let (scene, assets) = Scene::load(Path::new(&path), &[]).expect("a scene");
+    let notes = World::load(scene, &assets).expect("a world").skin.notes;
+    assert!(notes.iter().any(|n| n.contains("a.obj has no vertex colours")), "{notes:?}");
+}
+
+#[test]
+fn a_mesh_in_place_of_a_scene_is_named() {
+    let folder = Folder::new();
+    let (positions, faces) = ball();
+    let mut text = obj_text(&positions, &faces);
+    text += &"f 1 2 3\n".repeat(6000);
+    let path = folder.write("my.obj", text);
+    pelage(&["render", &path, "-o", &folder.at("a.png")])
+        .expect(3, &["my.obj: this is a Wavefront OBJ mesh, expected a scene file", "path = \"my.obj\""]);
+    let path = folder.write("scene", files::stl_binary(&files::cube(1.0)));
+    pelage(&["check", &path]).expect(3, &["this is an STL mesh"]);
+    // No list of faults is endless.
+    let keys: String = (0..12_011).map(|i| format!("key{i} = 1\n")).collect();
+    let path = folder.write("s.toml", format!("{keys}[mesh]\nshape = \"hat\"\n"));
+    let error = Scene::load(Path::new(&path), &[]).expect_err("unknown keys");
+    let text = error.to_string();
+    assert_eq!(text.matches("unknown key").count(), 20, "{text}");
+    assert!(text.ends_with("and 11,991 more"), "{text}");
+    pelage(&["check", &path]).expect(3, &["key0", "and 11,991 more", "12011 errors"]);
 }
 
 proptest! {

@@ -30,6 +30,7 @@ fn bumpy(height: &str, displacement: f32, uv: bool) -> World {
         skin.corner_uv = None;
     }
     skin.colors = (0..skin.positions.len()).map(|i| Vec3::splat((i % 11) as f32 / 10.0)).collect();
+    skin.alphas = (0..skin.positions.len()).map(|i| (i % 7) as f32 / 6.0).collect();
     world_on(&scene, Some(skin), vec![map])
 }
 
@@ -46,6 +47,7 @@ fn heights_are_those_of_the_twin() {
         ("map by uv", "{ map = \"height.png\", channel = \"r\", value = 0.3, offset = 0.02 }", 0.1, true),
         ("map without uv", "{ map = \"height.png\", channel = \"g\", value = 0.3 }", 0.1, false),
         ("vertex colour", "{ map = \"vertex_color\", value = 0.25 }", 0.1, true),
+        ("vertex alpha", "{ map = \"vertex_color\", channel = \"a\", value = 0.25 }", 0.1, true),
         ("folds", HOLLOW, 0.1, true),
     ];
     for (name, height, displacement, uv) in cases {

@@ -18,3 +18,7 @@ fn interpolate2(lambda: vec3f, a: vec2f, b: vec2f, c: vec2f) -> vec2f {
 fn interpolate3(lambda: vec3f, a: vec3f, b: vec3f, c: vec3f) -> vec3f {
     return lambda.x * a + lambda.y * b + lambda.z * c;
 }
+
+fn interpolate4(lambda: vec3f, a: vec4f, b: vec4f, c: vec4f) -> vec4f {
+    return lambda.x * a + lambda.y * b + lambda.z * c;
+}

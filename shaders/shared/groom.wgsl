@@ -35,14 +35,14 @@ struct SkinPoint {
     position: vec3f,
     normal: vec3f,
     uv: vec2f,
-    color: vec3f,
+    color: vec4f,   // vertex colour and alpha
     rows: vec3u,    // coverage rows that are interpolated
     weights: vec3f, // their weights
 }
 
 // The point at vertex v of the skin.
 fn point_of_vertex(vertex: ShellVertex, uv: vec2f, v: u32) -> SkinPoint {
-    return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color).rgb,
+    return SkinPoint(vertex.position, vertex.normal, uv, unpack4x8unorm(vertex.color),
         vec3u(groom.vertex_rows + v), vec3f(1.0, 0.0, 0.0));
 }
 
@@ -80,7 +80,7 @@ fn triplanar(coat: u32, parameter: u32, position: vec3f, normal: vec3f) -> vec4f
 // Factor on a parameter's constant at a point of the skin.
 fn parameter_texel(coat: u32, parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.coats[coat].parameters[parameter].source {
-        case 1u: { return vec4f(at.color, 1.0); }
+        case 1u: { return at.color; }
         case 2u: { return bilinear(coat, parameter, at.uv); }
         case 3u: { return triplanar(coat, parameter, at.position, at.normal); }
         default: { return vec4f(1.0); }

@@ -14,8 +14,8 @@ use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
 pub(super) struct LappedArgs {
-    /// Scene file, or a mesh (OBJ) with default settings
-    #[arg(value_name = "SCENE.toml|MESH.obj")]
+    /// Scene file, or a mesh (OBJ, glTF, GLB, PLY, STL) with default settings
+    #[arg(value_name = "SCENE.toml|MESH")]
     input: PathBuf,
     /// Folder for patches.obj, patches.png, field.png and lapped.json; created if it does not exist
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER")]
@@ -76,7 +76,10 @@ pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
 impl LappedArgs {
     fn load(&self) -> Result<(Scene, Assets)> {
         let overrides = self.overrides()?;
-        if !self.input.extension().is_some_and(|e| e.eq_ignore_ascii_case("obj")) {
+        let extension = self.input.extension().unwrap_or_default();
+        let named = mesh::MeshKind::ALL.iter().any(|k| extension.eq_ignore_ascii_case(k.extension()));
+        let missing = named && !self.input.exists();
+        if mesh::kind_of(&self.input).is_none() && !missing {
             return Scene::load_with(&self.input, &overrides);
         }
         // A scene of this mesh alone.

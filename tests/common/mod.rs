@@ -6,6 +6,7 @@ pub mod gpu;
 pub mod hairs;
 pub mod lit;
 pub mod marched;
+pub mod mesh_files;
 pub mod shapes;
 pub mod shellfins;
 pub mod sources;

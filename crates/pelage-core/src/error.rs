@@ -22,7 +22,7 @@ pub enum Error {
     Usage(String),
     /// The scene, or an asset that it names, is not valid (exit code 3). All faults of a file are
     /// reported together.
-    #[error("{}", .0.iter().map(ToString::to_string).collect::<Vec<_>>().join("\n"))]
+    #[error("{}", shown_faults(.0).join("\n"))]
     Scene(Vec<SceneFault>),
     /// There is no adapter, or its limits are too low (exit code 4).
     #[error("{0}")]
@@ -63,6 +63,20 @@ pub enum Error {
     /// A value cannot be written as JSON or TOML (exit code 1).
     #[error("{0}")]
     Encoding(String),
+}
+
+/// Largest number of faults that are shown; further ones are counted.
+pub const MAX_SHOWN_FAULTS: usize = 20;
+
+/// The text of each fault, of [`MAX_SHOWN_FAULTS`] at most, and then how many there are more.
+pub fn shown_faults(faults: &[SceneFault]) -> Vec<String> {
+    let mut shown: Vec<String> = faults.iter().take(MAX_SHOWN_FAULTS).map(ToString::to_string).collect();
+    let more = (faults.len() - shown.len()).to_string();
+    if more != "0" {
+        let digits = more.as_bytes().rchunks(3).rev().map(String::from_utf8_lossy).collect::<Vec<_>>();
+        shown.push(format!("and {} more", digits.join(",")));
+    }
+    shown
 }
 
 /// One fault of a scene file or an asset, with its position. It is displayed as

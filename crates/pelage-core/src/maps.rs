@@ -72,8 +72,20 @@ impl MapSet {
     }
 }
 
+/// Whether a parameter of the groom is read from the vertex colours.
+pub fn uses_vertex_color(scene: &Scene) -> bool {
+    names_of(scene).iter().any(|(name, _)| *name == VERTEX_COLOR)
+}
+
 /// The images that the groom names, with repetitions, and whether each is read as a colour.
 fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
+    let mut maps = names_of(scene);
+    maps.retain(|(name, _)| *name != VERTEX_COLOR);
+    maps
+}
+
+/// As [`maps_of`], with vertex colours.
+fn names_of(scene: &Scene) -> Vec<(&str, bool)> {
     let mut maps = maps_of_coat(&scene.own_coat());
     if let Scalar::Mapped(m) = &scene.shells.length {
         maps.push((m.map.as_str(), false));
@@ -82,7 +94,6 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
         maps.push((m.map.as_str(), true));
     }
     maps.extend(scene.parts.iter().flat_map(|part| maps_of_part(scene, part)));
-    maps.retain(|(name, _)| *name != VERTEX_COLOR);
     maps
 }
 

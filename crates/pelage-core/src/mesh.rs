@@ -1,56 +1,117 @@
 //! Meshes from a file or a procedural shape, and the skin made from them.
 
+mod colors;
+mod duplicates;
+pub mod gltf;
+mod kind;
 pub mod obj;
+mod orient;
+mod place;
+pub mod ply;
+mod polygon;
+mod read;
 mod repair;
 pub mod shapes;
+pub mod stl;
 pub mod topology;
+mod up;
 mod write;
 
+pub(crate) use kind::kind_of_head as kind_of_content;
+pub use kind::{MeshKind, kind_of};
+pub use read::{Limits, read};
 pub use repair::smoothed_normals;
 pub use write::write_obj;
 
-use crate::scene::MeshSpec;
+use crate::scene::{ColorSpace, MeshSpec, Units};
+use crate::skin::Section;
 use crate::{Error, Result, SceneFault, Skin};
-use glam::{EulerRot, Quat, Vec2, Vec3};
+use glam::{Vec2, Vec3};
+use std::collections::HashMap;
 use std::path::PathBuf;
 
-/// A triangle mesh before welding: what the OBJ reader and the procedural shapes produce.
+/// A triangle mesh before welding: what the readers and the procedural shapes produce.
 #[derive(Debug, Clone, Default)]
 pub struct Mesh {
+    /// The kind of file that it comes from; `None` for a shape.
+    pub kind: Option<MeshKind>,
+    /// The unit of the positions, where the format or the file states one.
+    pub unit: Option<Units>,
     /// Vertex positions.
     pub positions: Vec<Vec3>,
-    /// Vertex colours, linear RGB; empty where there are none.
+    /// Vertex colours, 0..=1; empty where there are none.
     pub colors: Vec<Vec3>,
+    /// Whether `colors` are encoded as sRGB; else they are linear.
+    pub srgb: bool,
+    /// Alpha of the vertices, 0..=1; empty where all are 1.
+    pub alphas: Vec<f32>,
     /// Corner indices.
     pub triangles: Vec<[u32; 3]>,
-    /// uv of each triangle corner, if the mesh has any.
+    /// uv of each triangle corner, if the mesh has any; v = 0 is the lower edge of an image.
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
+    /// Parts of the mesh by name and material; empty where it has only one.
+    pub sections: Vec<Section>,
+    /// Index in `sections` for each triangle; empty where `sections` is.
+    pub section_of: Vec<u32>,
     /// What reading noticed and did not need to repair.
     pub notes: Vec<String>,
     /// What reading repaired; an error where the scene has `mesh.strict`.
     pub repairs: Vec<String>,
 }
 
+/// Sections as a reader meets them.
+#[derive(Debug, Default)]
+pub(crate) struct Sections {
+    pub list: Vec<Section>,
+    known: HashMap<(String, String), u32>,
+}
+
+impl Sections {
+    /// Index of the section with this group and material, which is added if it is new.
+    pub fn index(&mut self, group: &str, material: &str) -> u32 {
+        // Faces of one section follow each other.
+        if let Some(last) = self.list.len().checked_sub(1)
+            && (self.list[last].group.as_str(), self.list[last].material.as_str()) == (group, material)
+        {
+            return last as u32;
+        }
+        let next = self.list.len() as u32;
+        let found = *self.known.entry((group.to_owned(), material.to_owned())).or_insert(next);
+        if found == next {
+            let (group, material) = (group.to_owned(), material.to_owned());
+            self.list.push(Section { group, material, ..Section::default() });
+        }
+        found
+    }
+}
+
 /// Welds positions, drops what cannot carry fur (zero-area and duplicate triangles, unused
-/// vertices), winds the rest consistently (closed parts outwards) and smooths normals. The skin's
+/// vertices), winds the rest consistently and outwards, and smooths normals. The skin's
 /// `notes` list each repair with its count, boundary, non-manifold and inconsistent edges, and the
 /// number of parts.
 pub fn skin_of(mesh: Mesh) -> Skin {
     repair::repair(mesh).0
 }
 
-/// Reads or builds the mesh that `spec` names, transforms it to world space (cm) and makes it a
-/// skin. `find` resolves an asset name to a path.
+/// Reads or builds the mesh that `spec` names, transforms it to world space (cm, +y up) and makes it
+/// a skin. `find` resolves an asset name to a path.
+///
+/// A file without `size`, `scale` and `units` keeps its own unit if it states one that makes
+/// sense, and is made 30 cm long otherwise; a note says so.
 ///
 /// # Errors
 /// [`Error::Scene`] where `spec` names no mesh or more than one, for faults of the file (with
 /// lines), where no triangle is left, and with `spec.strict` for everything that was repaired or
 /// left open, all in one; [`Error::Io`] where the file cannot be read.
 pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<Skin> {
+    let mut source = Source::default();
     let (name, mut skin) = match (&spec.path, spec.shape) {
         (Some(path), None) => {
             let path = find(path)?;
-            let (skin, repairs) = repair::repair(obj::read(&path)?);
+            let mut mesh = read(&path)?;
+            mesh.srgb = spec.vertex_colors.map_or(mesh.srgb, |space| space == ColorSpace::Srgb);
+            source = Source { kind: mesh.kind, unit: mesh.unit };
+            let (skin, repairs) = repair::repair(mesh);
             if spec.strict && !repairs.is_empty() {
                 return Err(Error::Scene(vec![SceneFault {
                     file: path,
@@ -86,54 +147,16 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
             format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
-    place(&mut skin, spec).map_err(|message| Error::fault(name, message))?;
+    place::place(&mut skin, spec, &source).map_err(|message| Error::fault(name, message))?;
     Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 
-/// Centre, size, scale, rotation (x, then y, then z), translation: in this order.
-fn place(skin: &mut Skin, spec: &MeshSpec) -> Result<(), String> {
-    for (name, value) in [("mesh.size", spec.size), ("mesh.scale", spec.scale)] {
-        if let Some(v) = value.filter(|v| !(v.is_finite() && *v > 0.0)) {
-            return Err(format!("found {name} = {v}, expected a number above 0"));
-        }
-    }
-    for (name, value) in [("mesh.rotate", spec.rotate), ("mesh.translate", spec.translate)] {
-        if !value.iter().all(|v| v.is_finite()) {
-            return Err(format!("found {name} = {value:?}, expected finite numbers"));
-        }
-    }
-    let (low, high) = skin.bounds();
-    let (low, high) = (low.as_dvec3(), high.as_dvec3());
-    let center = if spec.center { (low + high) / 2.0 } else { glam::DVec3::ZERO };
-    let side = (high - low).max_element();
-    let scale = spec.size.map_or(1.0, |size| f64::from(size) / side) * spec.scale.map_or(1.0, f64::from);
-    let [x, y, z] = spec.rotate.map(f32::to_radians);
-    // Applied to a column vector: x first.
-    let world_from_object = Quat::from_euler(EulerRot::ZYX, z, y, x);
-    for p in &mut skin.positions {
-        let scaled = ((p.as_dvec3() - center) * scale).as_vec3();
-        *p = world_from_object * scaled + Vec3::from_array(spec.translate);
-    }
-    for n in &mut skin.normals {
-        *n = (world_from_object * *n).normalize_or(Vec3::Y);
-    }
-    let largest = skin.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
-    if !skin.positions.iter().all(|p| p.is_finite()) || largest > MAX_COORDINATE {
-        return Err(format!(
-            "found coordinates up to {largest:e} cm, expected at most {MAX_COORDINATE:e}: set mesh.size"
-        ));
-    }
-    if (0..skin.triangles.len()).all(|t| skin.triangle_area(t) == 0.0) {
-        return Err(format!(
-            "found a mesh whose largest side is {:e} cm, expected triangles with an area: set mesh.size",
-            side * scale
-        ));
-    }
-    Ok(())
+/// What a mesh file states about its positions.
+#[derive(Debug, Clone, Copy, Default)]
+struct Source {
+    kind: Option<MeshKind>,
+    unit: Option<Units>,
 }
-
-/// Largest coordinate, cm: beyond it, squares of areas overflow f32.
-const MAX_COORDINATE: f32 = 1e8;
 
 impl From<Mesh> for Skin {
     fn from(mesh: Mesh) -> Self {

@@ -1,18 +1,9 @@
 //! The skin: the surface that carries the fur.
 
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 
 /// Index of a missing neighbour: the edge is a boundary.
 pub const NONE: u32 = u32::MAX;
-
-/// A group of the mesh with a material.
-#[derive(Debug, Clone, Default, PartialEq, Eq)]
-pub struct Section {
-    /// Name of the group; empty if it has none.
-    pub group: String,
-    /// Name of the material; empty if it has none.
-    pub material: String,
-}
 
 /// The surface that carries the fur, in world space (cm).
 ///
@@ -32,7 +23,11 @@ pub struct Skin {
     /// uv of each triangle corner; `None` where the mesh has no uv (maps are then looked up
     /// triplanar).
     pub corner_uv: Option<Vec<[Vec2; 3]>>,
-    /// Sections of the mesh, each a group with a material.
+    /// Whether the mesh has vertex colours.
+    pub colored: bool,
+    /// Alpha of the vertices, 0..=1, one per vertex; empty where all are 1.
+    pub alphas: Vec<f32>,
+    /// Parts of the mesh by name and material, one at least for a skin that was loaded.
     pub sections: Vec<Section>,
     /// Index in `sections` of each triangle; empty where all are of the first.
     pub section_of: Vec<u32>,
@@ -40,7 +35,28 @@ pub struct Skin {
     pub notes: Vec<String>,
 }
 
+/// A part of a mesh: what one group or object of the file has of one material.
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct Section {
+    /// Group or object (OBJ), node or mesh (glTF); empty where the file has none.
+    pub group: String,
+    /// Name of the material; empty where the file has none.
+    pub material: String,
+    /// Base colour of the material, linear RGB, a factor on the map where there is one (`Kd`,
+    /// `baseColorFactor`).
+    pub base_color: Option<[f32; 3]>,
+    /// Image of the base colour, as a path from the working directory (`map_Kd`,
+    /// `baseColorTexture`). Images within a GLB file have none; a note names them.
+    pub base_map: Option<String>,
+}
+
 impl Skin {
+    /// Vertex colour and alpha of vertex `v`; white and 1 where the skin has none.
+    pub fn vertex_color(&self, v: usize) -> Vec4 {
+        let alpha = self.alphas.get(v).copied().unwrap_or(1.0);
+        self.colors.get(v).copied().unwrap_or(Vec3::ONE).extend(alpha)
+    }
+
     /// Area of triangle `t`, cm².
     pub fn triangle_area(&self, t: usize) -> f32 {
         let [a, b, c] = self.corners(t);
@@ -63,6 +79,9 @@ impl Skin {
         let corners = self.triangles.as_flattened();
         let positions: Vec<Vec3> = corners.iter().map(|v| self.positions[*v as usize]).collect();
         self.colors = corners.iter().map(|v| self.colors[*v as usize]).collect();
+        if !self.alphas.is_empty() {
+            self.alphas = corners.iter().map(|v| self.alphas[*v as usize]).collect();
+        }
         let normal = |t: &[Vec3]| (t[1] - t[0]).cross(t[2] - t[0]).normalize_or(Vec3::Y);
         self.normals = positions.chunks_exact(3).flat_map(|t| [normal(t); 3]).collect();
         self.positions = positions;

@@ -2,7 +2,7 @@
 
 use crate::assets::Assets;
 use crate::light::Light;
-use crate::maps::MapSet;
+use crate::maps::{self, MapSet, VERTEX_COLOR};
 use crate::{Result, Scene, Skin};
 
 /// A scene with its assets.
@@ -28,6 +28,15 @@ impl World {
     /// sense; [`crate::Error::Io`] where a mesh cannot be read.
     pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
         let mut skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
+        if !skin.colored && maps::uses_vertex_color(&scene) {
+            let name = match (&scene.mesh.path, scene.mesh.shape) {
+                (Some(path), _) => path.clone(),
+                (None, shape) => shape.map_or_else(String::new, |s| format!("the shape {s:?}")),
+            };
+            skin.notes.push(format!(
+                "warning: {name} has no vertex colours: what the scene reads from \"{VERTEX_COLOR}\" is white everywhere"
+            ));
+        }
         crate::parts::check(&scene, &skin)?;
         skin.notes.extend(crate::parts::notes(&scene));
         let lights = crate::light::lights_of(&scene, assets)?;

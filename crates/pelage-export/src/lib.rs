@@ -218,7 +218,7 @@ fn colors_with_parts(world: &World) -> Vec<Vec3> {
         position: skin.positions[v],
         normal: skin.normals[v],
         uv: uv[v].into(),
-        color: skin.colors.get(v).copied().unwrap_or(Vec3::ONE),
+        color: skin.vertex_color(v),
         place: MeshPlace::Vertex(v as u32),
     };
     let color = |v| maps.color(Parameter::BaseColor, &at(v)).clamp(Vec3::ZERO, Vec3::ONE);

@@ -45,8 +45,8 @@ pub struct SkinPoint {
     pub normal: Vec3,
     /// uv of the skin.
     pub uv: Vec2,
-    /// Interpolated vertex colour.
-    pub color: Vec3,
+    /// Interpolated vertex colour and alpha.
+    pub color: Vec4,
     /// Where it lies on the mesh.
     pub place: MeshPlace,
 }
@@ -61,8 +61,13 @@ pub enum MeshPlace {
 }
 
 /// Unpacks a colour of eight bits per channel to 0..1.
-pub fn unpack_color(word: u32) -> Vec3 {
-    Vec3::new((word & 255) as f32, ((word >> 8) & 255) as f32, ((word >> 16) & 255) as f32) / 255.0
+pub fn unpack_color(word: u32) -> Vec4 {
+    Vec4::from_array(word.to_le_bytes().map(f32::from)) / 255.0
+}
+
+/// Packs a colour to eight bits per channel; it is clamped to 0..=1.
+pub fn pack_color(color: Vec4) -> u32 {
+    u32::from_le_bytes(color.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u8))
 }
 
 /// The point of the skin at barycentric coordinates `lambda` of a prism's triangle.
@@ -75,7 +80,10 @@ pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
         position: mix([a.position.into(), b.position.into(), c.position.into()]),
         normal: mix([a.normal.into(), b.normal.into(), c.normal.into()]).normalize(),
         uv: lambda.x * uv(0) + lambda.y * uv(1) + lambda.z * uv(2),
-        color: mix(corners.map(|v| unpack_color(v.color))),
+        color: {
+            let [a, b, c] = corners.map(|v| unpack_color(v.color));
+            lambda.x * a + lambda.y * b + lambda.z * c
+        },
         place: MeshPlace::Triangle(prism, lambda),
     }
 }
@@ -99,7 +107,10 @@ pub fn triangle_point(skin: &Skin, triangle: usize, lambda: Vec3) -> SkinPoint {
         position: mix(&skin.positions),
         normal: mix(&skin.normals).normalize_or(Vec3::Y),
         uv: skin.corner_uv.as_ref().map_or(Vec2::ZERO, |of| uv(of[triangle])),
-        color: if skin.colors.is_empty() { Vec3::ONE } else { mix(&skin.colors) },
+        color: {
+            let [a, b, c] = corners.map(|v| skin.vertex_color(v));
+            lambda.x * a + lambda.y * b + lambda.z * c
+        },
         place: MeshPlace::Triangle(triangle as u32, lambda),
     }
 }
@@ -186,7 +197,7 @@ impl Maps<'_> {
 
     fn lookup(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> Vec4 {
         match self.groom.coats[coat].parameters[parameter as usize].source {
-            1 => at.color.extend(1.0),
+            1 => at.color,
             2 => self.bilinear(coat, parameter, at.uv),
             3 => self.triplanar(coat, parameter, at.position, at.normal),
             _ => Vec4::ONE,

@@ -3,7 +3,7 @@
 
 use crate::groom::{self, PackedGroom};
 use crate::layout::{Prism, ShellVertex};
-use crate::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
+use crate::parameters::{Maps, MeshPlace, Parameter, SkinPoint, pack_color, unpack_color};
 use crate::shell::Shell;
 use crate::surface::{corner_uv, number_edges, skin_vertices, subdivide, vertex_uv};
 use glam::{Vec2, Vec3};
@@ -16,12 +16,11 @@ pub const SPREAD_ROUNDS: usize = 24;
 /// Height that the groom asks for over vertex `v`, cm. Vertex colours are rounded to eight bits per
 /// channel, as on the GPU.
 fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f32; 2]], v: usize) -> f32 {
-    let color = skin.colors.get(v).copied().unwrap_or(Vec3::ONE);
     let at = SkinPoint {
         position: skin.positions[v],
         normal: normals[v],
         uv: Vec2::from(vertex_uv[v]),
-        color: (color.clamp(Vec3::ZERO, Vec3::ONE) * 255.0).round() / 255.0,
+        color: unpack_color(pack_color(skin.vertex_color(v))),
         place: MeshPlace::Vertex(v as u32),
     };
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)

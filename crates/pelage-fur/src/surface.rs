@@ -1,6 +1,7 @@
 //! The skin, as the passes read it.
 
 use crate::layout::ShellVertex;
+use crate::parameters::pack_color;
 use glam::Vec3;
 use pelage_core::{Skin, World};
 
@@ -30,15 +31,11 @@ pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
 pub fn skin_vertices(skin: &Skin, height: f32) -> Vec<ShellVertex> {
     let normals = shell_normals(skin, height);
     (0..skin.positions.len())
-        .map(|i| {
-            let c = skin.colors.get(i).copied().unwrap_or(Vec3::ONE);
-            let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-            ShellVertex {
-                position: skin.positions[i].into(),
-                height: 0.0,
-                normal: normals[i].into(),
-                color: r | (g << 8) | (b << 16) | (255 << 24),
-            }
+        .map(|i| ShellVertex {
+            position: skin.positions[i].into(),
+            height: 0.0,
+            normal: normals[i].into(),
+            color: pack_color(skin.vertex_color(i)),
         })
         .collect()
 }

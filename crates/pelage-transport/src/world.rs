@@ -9,7 +9,7 @@ use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::guard_strands::{diameter, strand_at_point};
 use pelage_fur::layout::{Prism, Root, ShellVertex};
-use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint, root_point};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint, pack_color, root_point};
 use pelage_fur::random::{even_barycentric, hash2, random};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
@@ -116,7 +116,7 @@ impl<'a> SkinSamples<'a> {
                 position: surface.positions[v],
                 normal: surface.normals[v],
                 uv: Vec2::from(uv[v]),
-                color: surface.colors.get(v).copied().unwrap_or(Vec3::ONE),
+                color: surface.vertex_color(v),
                 place: MeshPlace::Vertex(v as u32),
             })
             .collect();
@@ -193,15 +193,11 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     let chosen: Vec<[u32; 3]> = surface.triangles.iter().copied().step_by(step).collect();
     // A shell of these triangles alone, in which the roots are placed.
     let corners = || chosen.iter().flatten().map(|v| *v as usize);
-    let vertex = |v: usize| {
-        let c = surface.colors.get(v).copied().unwrap_or(Vec3::ONE);
-        let [r, g, b] = c.to_array().map(|x| (x.clamp(0.0, 1.0) * 255.0).round() as u32);
-        ShellVertex {
-            position: surface.positions[v].into(),
-            height: 0.0,
-            normal: surface.normals[v].into(),
-            color: r | (g << 8) | (b << 16) | (255 << 24),
-        }
+    let vertex = |v: usize| ShellVertex {
+        position: surface.positions[v].into(),
+        height: 0.0,
+        normal: surface.normals[v].into(),
+        color: pack_color(surface.vertex_color(v)),
     };
     let prism = |k: u32| Prism { vertices: [3 * k, 3 * k + 1, 3 * k + 2], ..bytemuck::Zeroable::zeroed() };
     let shell = Shell {

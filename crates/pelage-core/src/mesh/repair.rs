@@ -4,13 +4,12 @@
 //! Geometry is computed in f64, so that it neither overflows nor underflows, whatever the file's
 //! scale.
 
-use super::{
-    Mesh,
-    topology::{Edge, neighbours, sorted_edges},
-};
+use super::{Mesh, duplicates, orient, topology::neighbours};
 use crate::Skin;
-use glam::{DVec3, Vec3};
-use std::collections::{HashMap, HashSet};
+use crate::film::tonemap::srgb_decode;
+use crate::skin::Section;
+use glam::{DVec3, Vec3, Vec4};
+use std::collections::HashMap;
 
 /// A triangle counts as having no area if its height is at most this fraction of its longest side:
 /// with f32 corners, its normal would be rounding noise.
@@ -35,7 +34,20 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
             usize::from(!mesh.colors.is_empty()),
             "set of vertex colours dropped: its size is not that of the mesh",
         );
-        mesh.colors = vec![Vec3::ONE; mesh.positions.len()];
+        mesh.colors = Vec::new();
+    }
+    let colored = !mesh.colors.is_empty();
+    mesh.colors.resize(mesh.positions.len(), Vec3::ONE);
+    if mesh.srgb {
+        mesh.colors.iter_mut().for_each(|c| *c = c.map(srgb_decode));
+    }
+    if mesh.alphas.len() != mesh.positions.len() {
+        mesh.alphas.clear();
+    }
+    let sections = mesh.sections.len() as u32;
+    if mesh.section_of.len() != mesh.triangles.len() || mesh.section_of.iter().any(|s| *s >= sections) {
+        mesh.sections = vec![Section::default()];
+        mesh.section_of = vec![0; mesh.triangles.len()];
     }
 
     let finite: Vec<bool> = mesh.positions.iter().map(|p| p.is_finite()).collect();
@@ -43,14 +55,16 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
     report(bad, "triangles without three finite corners dropped");
     report(weld(&mut mesh), "vertices welded to others at the same position");
     report(keep(&mut mesh, |t, p| has_area(t.map(|i| p[i as usize]))), "zero-area triangles dropped");
-    let mut seen = HashSet::with_capacity(mesh.triangles.len());
-    let duplicates = keep(&mut mesh, |mut t, _| {
-        t.sort_unstable();
-        seen.insert(t)
+    let repeated = duplicates::repeated(&mesh.triangles, &mesh.positions);
+    let mut at = 0;
+    let duplicates = keep(&mut mesh, |_, _| {
+        at += 1;
+        !repeated[at - 1]
     });
     report(duplicates, "duplicate triangles dropped");
-    drop(seen);
-    report(orient(&mut mesh), "triangles turned over for a consistent winding");
+    let turned = orient::orient(&mut mesh);
+    report(turned.triangles, "triangles turned over for a consistent winding");
+    report(turned.open_parts, "open parts turned outwards, because most of their surface faced inwards");
     report(drop_unused(&mut mesh), "unused vertices dropped");
 
     let topology = neighbours(&mesh.triangles);
@@ -69,6 +83,10 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         colors: mesh.colors,
         triangles: mesh.triangles,
         corner_uv: mesh.corner_uv,
+        colored,
+        alphas: mesh.alphas,
+        sections: mesh.sections,
+        section_of: mesh.section_of,
         notes,
         ..Skin::default()
     };
@@ -85,6 +103,8 @@ fn keep(mesh: &mut Mesh, mut wanted: impl FnMut([u32; 3], &[Vec3]) -> bool) -> u
     let mut at = 0;
     mesh.triangles.retain(|_| filter(&mut at));
     let mut at = 0;
+    mesh.section_of.retain(|_| filter(&mut at));
+    let mut at = 0;
     if let Some(uv) = &mut mesh.corner_uv {
         uv.retain(|_| filter(&mut at));
     }
@@ -92,7 +112,8 @@ fn keep(mesh: &mut Mesh, mut wanted: impl FnMut([u32; 3], &[Vec3]) -> bool) -> u
 }
 
 /// Gives triangles with corners at exactly the same position the same vertex; returns how many used
-/// vertices were joined to others. Colours of welded vertices are averaged.
+/// vertices were joined to others. Colours and alphas of welded vertices are
+/// averaged.
 ///
 /// Positions that are merely close stay separate: no distance is safe for every mesh (ears and
 /// claws are thin).
@@ -100,7 +121,7 @@ fn weld(mesh: &mut Mesh) -> usize {
     let mut used = vec![false; mesh.positions.len()];
     mesh.triangles.iter().flatten().for_each(|i| used[*i as usize] = true);
     let mut first = HashMap::with_capacity(mesh.positions.len());
-    let mut sums = vec![(Vec3::ZERO, 0.0_f32); mesh.positions.len()];
+    let mut sums = vec![(Vec4::ZERO, 0.0_f32); mesh.positions.len()];
     let mut target: Vec<u32> = (0..mesh.positions.len() as u32).collect();
     let mut welded = 0;
     for i in (0..mesh.positions.len()).filter(|i| used[*i]) {
@@ -110,11 +131,13 @@ fn weld(mesh: &mut Mesh) -> usize {
         welded += usize::from(to != i as u32);
         target[i] = to;
         let sum = &mut sums[to as usize];
-        *sum = (sum.0 + mesh.colors[i], sum.1 + 1.0);
+        let alpha = mesh.alphas.get(i).copied().unwrap_or(1.0);
+        *sum = (sum.0 + mesh.colors[i].extend(alpha), sum.1 + 1.0);
     }
-    for (color, (sum, n)) in mesh.colors.iter_mut().zip(sums) {
-        if n > 1.0 {
-            *color = sum / n;
+    for (i, (sum, n)) in sums.into_iter().enumerate().filter(|(_, (_, n))| *n > 1.0) {
+        mesh.colors[i] = sum.truncate() / n;
+        if let Some(alpha) = mesh.alphas.get_mut(i) {
+            *alpha = sum.w / n;
         }
     }
     mesh.triangles.iter_mut().flatten().for_each(|i| *i = target[*i as usize]);
@@ -140,82 +163,17 @@ fn drop_unused(mesh: &mut Mesh) -> usize {
     for (i, number) in number.iter_mut().enumerate().filter(|(_, number)| **number == 0) {
         mesh.positions[next] = mesh.positions[i];
         mesh.colors[next] = mesh.colors[i];
+        if !mesh.alphas.is_empty() {
+            mesh.alphas[next] = mesh.alphas[i];
+        }
         *number = next as u32;
         next += 1;
     }
     mesh.positions.truncate(next);
     mesh.colors.truncate(next);
+    mesh.alphas.truncate(next);
     mesh.triangles.iter_mut().flatten().for_each(|i| *i = number[*i as usize]);
     before - next
-}
-
-/// Winds each part of the mesh consistently: closed parts outwards (positive volume), open ones as
-/// most of their triangles are wound. Returns how many triangles were turned over. One-sided
-/// surfaces keep a seam of opposite winding.
-fn orient(mesh: &mut Mesh) -> usize {
-    let count = mesh.triangles.len();
-    // The neighbour, and whether both run along the common edge in the same direction.
-    let mut beyond: Vec<[Option<(u32, bool)>; 3]> = vec![[None; 3]; count];
-    for group in sorted_edges(&mesh.triangles).chunk_by(|a: &Edge, b: &Edge| a.key == b.key) {
-        if let [a, b] = group {
-            let same = a.reversed == b.reversed;
-            beyond[a.triangle as usize][a.corner as usize] = Some((b.triangle, same));
-            beyond[b.triangle as usize][b.corner as usize] = Some((a.triangle, same));
-        }
-    }
-    let mut turned: Vec<Option<bool>> = vec![None; count];
-    let mut part = Vec::new();
-    let mut total = 0;
-    for start in 0..count {
-        if turned[start].is_some() {
-            continue;
-        }
-        turned[start] = Some(false);
-        part.clear();
-        part.push((start, false));
-        let (mut at, mut closed) = (0, true);
-        while let Some(&(t, flip)) = part.get(at) {
-            at += 1;
-            for side in beyond[t] {
-                let Some((other, same)) = side else {
-                    closed = false;
-                    continue;
-                };
-                if turned[other as usize].is_none() {
-                    turned[other as usize] = Some(flip != same);
-                    part.push((other as usize, flip != same));
-                }
-            }
-        }
-        let flips = part.iter().filter(|(_, flip)| *flip).count();
-        let mut invert = 2 * flips > part.len();
-        if closed {
-            let volume = signed_volume(mesh, &part);
-            // The volume of a sheet that is folded onto itself does not tell its outside.
-            invert = if volume == 0.0 { invert } else { volume < 0.0 };
-        }
-        for &(t, flip) in part.iter().filter(|(_, flip)| *flip != invert) {
-            debug_assert_ne!(flip, invert);
-            mesh.triangles[t].swap(1, 2);
-            if let Some(uv) = &mut mesh.corner_uv {
-                uv[t].swap(1, 2);
-            }
-            total += 1;
-        }
-    }
-    total
-}
-
-/// Signed volume within the triangles, with those marked `true` turned over.
-fn signed_volume(mesh: &Mesh, part: &[(usize, bool)]) -> f64 {
-    let Some(&(first, _)) = part.first() else { return 0.0 };
-    let origin = mesh.positions[mesh.triangles[first][0] as usize].as_dvec3();
-    let volume = |&(t, flip): &(usize, bool)| {
-        let [a, b, c] = mesh.triangles[t].map(|i| mesh.positions[i as usize].as_dvec3() - origin);
-        let v = a.dot(b.cross(c)) / 6.0;
-        if flip { -v } else { v }
-    };
-    part.iter().map(volume).sum()
 }
 
 /// Parts of the mesh that share no vertex.

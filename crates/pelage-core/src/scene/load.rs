@@ -9,6 +9,7 @@ use super::{
     tree::{Node, Sources, Value},
 };
 use crate::assets::Assets;
+use crate::mesh;
 use crate::{Error, Result, SceneFault};
 use serde::Deserialize;
 use serde_json::Value as Json;
@@ -62,6 +63,16 @@ impl Scene {
         let text = std::fs::read(path).map_err(|e| {
             Error::fault(path, format!("cannot read the scene file: {e}; example scenes are in scenes/"))
         })?;
+        let head = &text[..text.len().min(1 << 16)];
+        if let Some(kind) = mesh::kind_of_content(head, text.len() as u64, path) {
+            return Err(Error::Scene(vec![SceneFault {
+                file: path.to_owned(),
+                line: 0,
+                column: 0,
+                message: format!("this is {}, expected a scene file in TOML", kind.mesh()),
+                help: Some(format!("write a scene that names it: [mesh] path = \"{}\"", short(path))),
+            }]));
+        }
         let text = String::from_utf8(text).map_err(|e| {
             let line =
                 e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;

@@ -160,13 +160,23 @@ impl Scalar {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct MeshSpec {
-    /// An OBJ file.
+    /// A mesh file: OBJ, glTF, GLB, PLY or STL, recognised by its content.
     pub path: Option<String>,
     /// A procedural shape.
     pub shape: Option<Shape>,
-    /// Largest side of the bounding box after scaling, cm; by default the file's numbers are cm.
+    /// Largest side of the bounding box after scaling, cm. Without `size`, `scale` and `units`, a
+    /// glTF file's metres are kept if that makes it 2 to 500 cm long; all other files are made
+    /// 30 cm long.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<f32>,
+    /// Unit of the file's numbers; where `scale` alone is given, cm.
+    pub units: Option<Units>,
+    /// Axis that points upwards in the file, turned to +y. By default +y; in PLY and STL files,
+    /// which do not say, +y or +z by how the mesh stands, else +y for PLY and +z for STL.
+    pub up: Option<UpAxis>,
+    /// How vertex colours are encoded; by default those of PLY files with integers are sRGB, all
+    /// others linear.
+    pub vertex_colors: Option<ColorSpace>,
     /// Further uniform scale.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub scale: Option<f32>,
@@ -181,6 +191,65 @@ pub struct MeshSpec {
     /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals.
     /// Fur would part along every edge.
     pub faceted: bool,
+}
+
+/// Unit of a mesh file's numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Units {
+    /// Millimetres.
+    Mm,
+    /// Centimetres.
+    Cm,
+    /// Metres.
+    M,
+    /// Inches.
+    In,
+}
+
+impl Units {
+    /// Length of the unit, cm.
+    pub fn cm(self) -> f64 {
+        match self {
+            Self::Mm => 0.1,
+            Self::Cm => 1.0,
+            Self::M => 100.0,
+            Self::In => 2.54,
+        }
+    }
+}
+
+/// Axis that points upwards in a mesh file.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum UpAxis {
+    /// +x.
+    #[serde(rename = "x")]
+    X,
+    /// +y.
+    #[serde(rename = "y")]
+    Y,
+    /// +z.
+    #[serde(rename = "z")]
+    Z,
+    /// Against x.
+    #[serde(rename = "-x")]
+    NegativeX,
+    /// Against y.
+    #[serde(rename = "-y")]
+    NegativeY,
+    /// Against z.
+    #[serde(rename = "-z")]
+    NegativeZ,
+}
+
+/// How colours are encoded.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum ColorSpace {
+    /// Proportional to light.
+    Linear,
+    /// sRGB.
+    Srgb,
 }
 
 /// Built-in shapes. Sizes in cm.

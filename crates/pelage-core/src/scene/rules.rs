@@ -56,7 +56,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         mesh.path.is_some() || mesh.shape.is_some(),
         &["mesh"],
         "mesh: neither mesh.path nor mesh.shape is given",
-        "name an OBJ file (path = \"...\") or a built-in shape (shape = \"critter\")",
+        "name a mesh file (path = \"...\") or a built-in shape (shape = \"critter\")",
     );
     rule(
         mesh.path.is_none() || mesh.shape.is_none(),
@@ -68,7 +68,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         mesh.path.as_deref() != Some(""),
         &["mesh.path"],
         "mesh.path: found an empty name",
-        "name an OBJ file",
+        "name a mesh file",
     );
     let camera = &scene.camera;
     let view = Vec3::from(camera.target) - Vec3::from(camera.eye);

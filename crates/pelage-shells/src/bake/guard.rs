@@ -6,7 +6,7 @@
 use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
-use glam::{Vec2, Vec3};
+use glam::{Vec2, Vec3, Vec4};
 use pelage_fur::guard_strands::{end_colors, strand_at};
 use pelage_fur::layout::Groom;
 use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
@@ -19,7 +19,7 @@ const UPRIGHT: SkinPoint =
         position: Vec3::ZERO,
         normal: Vec3::Z,
         uv: Vec2::ZERO,
-        color: Vec3::ONE,
+        color: Vec4::ONE,
         place: MeshPlace::Vertex(0),
     };
 

@@ -118,7 +118,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
                 position: skin.positions[*v as usize],
                 normal: skin.normals[*v as usize],
                 uv: uv.unwrap_or_default(),
-                color: skin.colors[*v as usize],
+                color: skin.vertex_color(*v as usize),
                 place: MeshPlace::Vertex(*v),
             };
             let upright = upright[*v as usize];

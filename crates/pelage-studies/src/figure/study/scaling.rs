@@ -175,7 +175,8 @@ fn sweeps(settings: &Settings, world: &World) -> [Sweep; 5] {
 
 /// The same surface with every triangle split into four by the midpoints of its edges.
 fn split_in_four(skin: &Skin) -> Skin {
-    let mut new = Skin { triangles: Vec::new(), corner_uv: None, ..skin.clone() };
+    let section_of = skin.section_of.iter().flat_map(|s| [*s; 4]).collect();
+    let mut new = Skin { triangles: Vec::new(), corner_uv: None, section_of, ..skin.clone() };
     let mut middles = HashMap::new();
     let mut uv = Vec::new();
     for (t, corners) in skin.triangles.iter().enumerate() {
@@ -186,6 +187,9 @@ fn split_in_four(skin: &Skin) -> Skin {
                 new.positions.push(0.5 * (skin.positions[i] + skin.positions[k]));
                 new.normals.push((skin.normals[i] + skin.normals[k]).normalize_or(skin.normals[i]));
                 new.colors.push(0.5 * (skin.colors[i] + skin.colors[k]));
+                if !skin.alphas.is_empty() {
+                    new.alphas.push(0.5 * (skin.alphas[i] + skin.alphas[k]));
+                }
                 new.positions.len() as u32 - 1
             })
         });

@@ -147,7 +147,7 @@ fn patch(skin: &Skin, centre: Vec3, radius: f32) -> Skin {
         .filter(|t| skin.corners(*t).iter().all(|p| p.distance(centre) < radius))
         .collect();
     let mut numbers = vec![u32::MAX; skin.positions.len()];
-    let mut part = Skin { positions: Vec::new(), normals: Vec::new(), colors: Vec::new(), ..skin.clone() };
+    let mut part = Skin { sections: skin.sections.clone(), colored: skin.colored, ..Skin::default() };
     part.triangles = kept
         .iter()
         .map(|t| {
@@ -158,12 +158,14 @@ fn patch(skin: &Skin, centre: Vec3, radius: f32) -> Skin {
                     part.positions.push(skin.positions[v]);
                     part.normals.push(skin.normals[v]);
                     part.colors.push(skin.colors.get(v).copied().unwrap_or(Vec3::ONE));
+                    part.alphas.extend(skin.alphas.get(v));
                 }
                 numbers[v]
             })
         })
         .collect();
     part.corner_uv = skin.corner_uv.as_ref().map(|uv| kept.iter().map(|t| uv[*t]).collect());
+    part.section_of = kept.iter().filter_map(|t| skin.section_of.get(*t).copied()).collect();
     part
 }
 
