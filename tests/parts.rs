@@ -85,7 +85,7 @@ fn coats_go_over_into_each_other_beside_the_part() {
         // What is the same in both coats stays as it is: the shares add up to 1.
         assert_eq!(maps.scalar(Parameter::GuardThickness, &at), 1.0);
         let [root, widest, _] = maps.hairs_at(&at).diameter;
-        assert_eq!(widest, 20e-4);
+        gpu::close(widest * 1e4, 20.0, 1e-6, "widest");
         [maps.part_share(1, &at), maps.scalar(Parameter::GuardLength, &at), root * 1e4]
     };
     for (edge, cm) in [("", 1.0), ("edge = 2", 2.0), ("edge = 0.25", 0.25)] {
@@ -100,8 +100,10 @@ fn coats_go_over_into_each_other_beside_the_part() {
         }
     }
     let hard = world("edge = 0");
-    assert_eq!(at(&hard, 3.98), [0.0, 1.0, 10.0]);
-    assert_eq!(at(&hard, 4.02), [1.0, 3.0, 30.0]);
+    for (x, wanted) in [(3.98, [0.0, 1.0, 10.0]), (4.02, [1.0, 3.0, 30.0])] {
+        let found = at(&hard, x);
+        (0..3).for_each(|k| gpu::close(found[k], wanted[k], 1e-6, format!("value {k} at {x}")));
+    }
 }
 
 #[test]
@@ -189,24 +191,25 @@ fn each_side_has_its_own_hairs() {
     let roots: Vec<Root> = fixture.read("roots", fixture.strands());
     let points: Vec<SkinPoint> = roots.iter().map(|r| root_point(&fixture.shell, r)).collect();
     let disc = |p: &SkinPoint| (p.uv.x - 0.25).hypot(p.uv.y - 0.5);
-    assert!(points.iter().all(|p| disc(p) > 0.13), "hairs on the bare disc");
+    assert!(points.iter().all(|p| disc(p) > 0.127), "hairs on the bare disc");
     // Left of the transition, which is 2 cm wide beside x = 4, and without the disc.
-    let left = points.iter().filter(|p| p.position.x < 1.9 && disc(p) > 0.17).count() as f32;
+    let left = points.iter().filter(|p| p.position.x < 1.7 && disc(p) > 0.175).count() as f32;
     let area = |keep: &dyn Fn(f32, f32) -> bool| {
-        let places = (0..400).flat_map(|i| (0..400).map(move |j| ((i as f32 + 0.5) / 50.0, (j as f32 + 0.5) / 50.0)));
+        let places =
+            (0..400).flat_map(|i| (0..400).map(move |j| ((i as f32 + 0.5) / 50.0, (j as f32 + 0.5) / 50.0)));
         places.filter(|(x, z)| keep(*x, *z)).count() as f32 / 2500.0
     };
-    let wanted = 20.0 * area(&|x, z| x < 1.9 && (x / 8.0 - 0.25).hypot(z / 8.0 - 0.5) > 0.17);
+    let wanted = 20.0 * area(&|x, z| x < 1.7 && (x / 8.0 - 0.25).hypot(z / 8.0 - 0.5) > 0.175);
     assert!((left / wanted - 1.0).abs() < 0.2, "{left} hairs on the left, expected {wanted}");
     let right = points.iter().filter(|p| p.position.x > 4.3).count() as f32;
     let mean = points.iter().filter(|p| p.position.x > 4.3).map(|p| p.uv.x * p.uv.y).sum::<f32>() / right;
-    assert!((1200.0..2000.0).contains(&right) && mean > 0.3, "{right} hairs on the right");
+    assert!((1130.0..1330.0).contains(&right) && mean > 0.3, "{right} hairs on the right");
     // Lengths: 0.6 cm and 1.4 cm with their own variation.
     for (root, at) in roots.iter().zip(&points) {
         let length = strand(&fixture.shell, &fixture.maps(), root).length;
         if at.position.x > 4.3 {
             assert!((1.259..1.401).contains(&length), "{length} cm on the right");
-        } else if at.position.x < 1.7 && disc(at) > 0.17 {
+        } else if at.position.x < 1.7 && disc(at) > 0.175 {
             assert!((0.41..0.601).contains(&length), "{length} cm on the left");
         }
     }
@@ -287,7 +290,7 @@ fn the_path_tracer_grows_the_same_parts() {
     // The undercoat: none on the disc, and as much on the right as its density says.
     let undercoat = layers.iter().find(|l| l.layer == Layer::Undercoat).expect("undercoat");
     let roots = || undercoat.points.iter().step_by(undercoat.segments + 1);
-    assert!(roots().all(|p| (p.x / 8.0 - 0.25).hypot(p.z / 8.0 - 0.5) > 0.13));
+    assert!(roots().all(|p| (p.x / 8.0 - 0.25).hypot(p.z / 8.0 - 0.5) > 0.127));
     let [left, right] = [0.0..1.0, 5.0..8.0].map(|range: std::ops::Range<f32>| {
         roots().filter(|p| range.contains(&p.x)).count() as f32 / (8.0 * (range.end - range.start))
     });
@@ -314,14 +317,15 @@ fn path_tracer_and_hybrid_agree_on_parts_as_on_one_coat() {
         "density = 150\nlength = 0.5\ncolor_root = [0.5, 0.2, 0.1]\ncolor_tip = [0.7, 0.3, 0.1]",
         "density = 300\nlength = 0.7\ncolor_root = [0.1, 0.1, 0.1]\ncolor_tip = [0.2, 0.2, 0.2]",
     ];
-    let undercoats = ["density = 4000\ncolor_root = [0.5, 0.4, 0.3]", "density = 7000\ncolor_root = [0.2, 0.2, 0.2]"];
+    let undercoats =
+        ["density = 1500\ncolor_root = [0.5, 0.4, 0.3]", "density = 2500\ncolor_root = [0.2, 0.2, 0.2]"];
     let picture = |own: usize, part: Option<usize>| {
         let table = |i: usize| (coats[i].replace('\n', ", "), undercoats[i].replace('\n', ", "));
         let part = part.map(table).map_or(String::new(), |(guard, undercoat)| {
             format!("[[parts]]\ngroup = \"right\"\nedge = 0\nguard = {{ {guard} }}\nundercoat = {{ {undercoat} }}\n")
         });
         let text = format!(
-            "[guard]\nsegments = 6\n{}\n[undercoat]\nheight = 0.3\nlayers = 12\ncell = 0.06\n{}\n{part}\
+            "[guard]\nsegments = 6\n{}\n[undercoat]\nheight = 0.3\nlayers = 12\ncell = 0.1\ndiameter = [30, 20]\n{}\n{part}\
              [camera]\neye = [2, 9, 4]\ntarget = [2, 0, 2]\nfov = 20\n[film]\nwidth = 24\nheight = 24\nspp = 16\nfilter = \"box\"\n\
              [[lights]]\ndirection = [0.3, 0.9, 0.4]\n",
             coats[own], undercoats[own]
@@ -391,18 +395,30 @@ fn faults_of_parts_name_key_and_line() {
     };
     for (text, parts) in [
         ("[[parts]]\nname = \"a\"\n", ["test.toml:3", "parts.0: found none of group, material and mask"]),
-        ("[[parts]]\ngroup = \"a\"\npreset = \"red_fix\"\n", ["test.toml:5:10: parts.0.preset", "\"red_fox\"?"]),
-        ("[[parts]]\ngroup = \"a\"\nguard = { lenght = 2 }\n", ["test.toml:5:11: unknown key \"lenght\"", "\"length\"?"]),
+        (
+            "[[parts]]\ngroup = \"a\"\npreset = \"red_fix\"\n",
+            ["test.toml:5:10: parts.0.preset", "\"red_fox\"?"],
+        ),
+        (
+            "[[parts]]\ngroup = \"a\"\nguard = { lenght = 2 }\n",
+            ["test.toml:5:11: unknown key \"lenght\"", "\"length\"?"],
+        ),
         ("[[parts]]\ngroup = [\"a\", 3]\n", ["test.toml:4:", "parts.0.group"]),
         ("[[parts]]\ngroup = \"a\"\nedge = -1\n", ["test.toml:5:8: parts.0.edge", "at least 0"]),
         ("[[parts]]\nmask = { map = \"vertex_color\" }\nedge = 1\n", ["test.toml:5:8: parts.0.edge", "blur"]),
-        ("[[parts]]\ngroup = \"a\"\nfur = false\nguard = {}\n", ["test.toml:6:1: parts.0.guard", "fur = false"]),
+        (
+            "[[parts]]\ngroup = \"a\"\nfur = false\nguard = {}\n",
+            ["test.toml:6:1: parts.0.guard", "fur = false"],
+        ),
         (
             "[[parts]]\ngroup = \"a\"\nundercoat = { density = { map = \"vertex_color\", value = -1, offset = -1 } }\n",
             ["test.toml:5:", "parts.0.undercoat.density: value and offset"],
         ),
         // Faults of the scene's own coat, which parts inherit, are reported once.
-        ("[guard]\nlenght = 2\n[[parts]]\ngroup = \"a\"\n", ["test.toml:4:1: unknown key \"lenght\" in [guard]", ""]),
+        (
+            "[guard]\nlenght = 2\n[[parts]]\ngroup = \"a\"\n",
+            ["test.toml:4:1: unknown key \"lenght\" in [guard]", ""],
+        ),
         (&"[[parts]]\ngroup = \"a\"\n".repeat(16), ["parts: expected an array of at most 15 tables", "16"]),
     ] {
         let fault = fault(text);
@@ -415,20 +431,25 @@ fn unknown_groups_and_files_are_faults_with_their_line() {
     let folder = Folder::new();
     folder.write("m.obj", "v 0 0 0\nv 1 0 0\nv 0 0 1\nv 1 0 1\ng body\nf 1 3 2\ng eyes\nf 2 3 4\n");
     folder.write("base.toml", "[guard]\nlength = { map = \"gone.png\" }\n");
-    let text = "include = [\"base.toml\"]\n[mesh]\npath = \"m.obj\"\n[[parts]]\nmask = { map = \"none.png\" }\n";
+    let text =
+        "include = [\"base.toml\"]\n[mesh]\npath = \"m.obj\"\n[[parts]]\nmask = { map = \"none.png\" }\n";
     let scene = folder.write("files.toml", text);
-    let run = pelage(&["check", &scene]).expect(3, &["files.toml:5:16: parts.0.mask.map", "base.toml:2:18: guard.length"]);
+    let run = pelage(&["check", &scene])
+        .expect(3, &["files.toml:5:16: parts.0.mask.map", "base.toml:2:18: guard.length"]);
     assert_eq!(run.err.matches("gone.png").count(), 1, "{}", run.err);
     // The mask is found beside the scene.
     image::GrayImage::from_pixel(2, 2, image::Luma([255])).save(folder.at("none.png")).expect("an image");
     image::GrayImage::from_pixel(2, 2, image::Luma([255])).save(folder.at("gone.png")).expect("an image");
     pelage(&["check", &scene]).expect(0, &[]);
     let named = |name: &str| {
-        let text = format!("[mesh]\npath = \"m.obj\"\n[[parts]]\nname = \"eyes\"\nfur = false\ngroup = [\"body\", \"{name}\"]\n");
+        let text = format!(
+            "[mesh]\npath = \"m.obj\"\n[[parts]]\nname = \"eyes\"\nfur = false\ngroup = [\"body\", \"{name}\"]\n"
+        );
         pelage(&["check", &folder.write("groups.toml", text)])
     };
     named("eyes").expect(0, &[]);
-    named("eye").expect(3, &["groups.toml:6", "parts.0.group: the mesh has no group \"eye\"", "\"body\", \"eyes\""]);
+    named("eye")
+        .expect(3, &["groups.toml:6", "parts.0.group: the mesh has no group \"eye\"", "\"body\", \"eyes\""]);
     let sphere = format!("{SPHERE}[[parts]]\nmaterial = \"fur\"\n");
     let sphere = folder.write("sphere.toml", sphere);
     pelage(&["check", &sphere]).expect(3, &["sphere.toml:4", "no material \"fur\"", "mask"]);
@@ -438,11 +459,17 @@ fn unknown_groups_and_files_are_faults_with_their_line() {
 fn what_only_the_scenes_own_coat_decides_is_noted() {
     let notes = |text: &str| pelage_core::parts::notes(&parse(&format!("{SPHERE}{text}")));
     assert!(notes(HALF).is_empty());
-    assert!(notes(&format!("{HALF}guard = {{ length = 2 }}\nundercoat = {{ height = 2, diameter = [32, 20] }}\n")).is_empty());
+    assert!(
+        notes(&format!(
+            "{HALF}guard = {{ length = 2 }}\nundercoat = {{ height = 2, diameter = [28, 16] }}\n"
+        ))
+        .is_empty()
+    );
     let text = format!("preset = \"red_fox\"\n{SPHERE}{HALF}name = \"tail\"\npreset = \"arctic_fox\"\n");
     let found = pelage_core::parts::notes(&parse(&text));
     assert_eq!(found.len(), 1);
-    for key in ["\"tail\"", "guard.fibre", "undercoat.fibre", "undercoat.layers", "undercoat.noise_frequency"] {
+    for key in ["\"tail\"", "guard.fibre", "undercoat.fibre", "undercoat.layers", "undercoat.noise_frequency"]
+    {
         assert!(found[0].contains(key), "{key}: {found:?}");
     }
     for key in ["undercoat.density", "undercoat.height", "undercoat.color_tip", "undercoat.cell"] {

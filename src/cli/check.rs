@@ -49,6 +49,8 @@ const TRIANGLE: u64 = 24 + 6 * 16;
 const ROOT: u64 = 48;
 const SEGMENT_VERTEX: u64 = 32;
 const SUBELEMENT: u64 = 4;
+// Of up to four parts that choose groups or materials, at a corner or a vertex.
+const COVERAGE: u64 = 8;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
@@ -105,12 +107,14 @@ fn subelements(world: &World) -> u64 {
 
 fn bytes(world: &World, counts: &Counts) -> Bytes {
     let segments = world.scene.coats().map(|coat| u64::from(coat.guard.segments)).max().unwrap_or(1);
+    let lanes = world.scene.parts.iter().filter(|part| part.has_sections()).count() as u64;
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
     Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
         strands: counts.strands * (ROOT + (segments + 1) * SEGMENT_VERTEX),
         undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
-        maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
+        maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum::<u64>()
+            + (3 * counts.triangles + counts.vertices) * COVERAGE * lanes.div_ceil(4),
         budget: world.scene.render.memory,
     }
 }

@@ -122,13 +122,8 @@ fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, bool)> {
         &undercoat.density,
         &undercoat.height,
     ];
-    let colors = [
-        &guard.color_root,
-        &guard.color_tip,
-        &undercoat.color_root,
-        &undercoat.color_tip,
-        &coat.base.color,
-    ];
+    let colors =
+        [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &coat.base.color];
     let scalars = scalars.into_iter().filter_map(|s| match s {
         Scalar::Mapped(m) => Some((m.map.as_str(), false)),
         Scalar::Constant(_) => None,

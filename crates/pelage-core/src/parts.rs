@@ -39,18 +39,19 @@ pub fn check(scene: &Scene, skin: &Skin) -> Result<()> {
     for (i, part) in scene.parts.iter().enumerate() {
         let before = faults.len();
         let [group, material] = &part.places;
-        let mut unknown = |key: &str, plural: &str, names: &Names, place: &Place, of: fn(&Section) -> &str| {
-            let known = names_of(skin, of);
-            for name in names.list().iter().filter(|name| !known.contains(&name.as_str())) {
-                let list = known.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
-                let message = format!("parts.{i}.{key}: the mesh has no {key} \"{name}\"");
-                let help = match known.is_empty() {
-                    true => format!("it has no {plural}: give a mask instead"),
-                    false => format!("its {plural} are {list}"),
-                };
-                faults.push(fault(place, message, help));
-            }
-        };
+        let mut unknown =
+            |key: &str, plural: &str, names: &Names, place: &Place, of: fn(&Section) -> &str| {
+                let known = names_of(skin, of);
+                for name in names.list().iter().filter(|name| !known.contains(&name.as_str())) {
+                    let list = known.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
+                    let message = format!("parts.{i}.{key}: the mesh has no {key} \"{name}\"");
+                    let help = match known.is_empty() {
+                        true => format!("it has no {plural}: give a mask instead"),
+                        false => format!("its {plural} are {list}"),
+                    };
+                    faults.push(fault(place, message, help));
+                }
+            };
         unknown("group", "groups", &part.group, group, |section| &section.group);
         unknown("material", "materials", &part.material, material, |section| &section.material);
         if faults.len() == before && part.has_sections() && !chosen(skin, part).contains(&true) {

@@ -15,8 +15,7 @@ use glam::Vec3;
 use lights::pack_lights;
 use map_packer::MapPacker;
 use pelage_core::scene::{
-    Blend, Coat, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scene, Shading,
-    ShellLighting,
+    Blend, Coat, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scene, Shading, ShellLighting,
 };
 use pelage_core::{Result, World};
 

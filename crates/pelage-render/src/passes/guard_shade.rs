@@ -19,7 +19,12 @@ impl GuardShade {
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            main: Kernel::specialised(gpu, "guard_shade", "main", &[variant.guard(), variant.multiple(), variant.coats()])?,
+            main: Kernel::specialised(
+                gpu,
+                "guard_shade",
+                "main",
+                &[variant.guard(), variant.multiple(), variant.coats()],
+            )?,
         })
     }
 

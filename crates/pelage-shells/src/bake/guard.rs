@@ -14,14 +14,13 @@ use pelage_fur::random::hash2;
 use pelage_fur::strand_curve::{color_at, control_polygon, leg_directions};
 
 /// The point at which every hair grows before it is moved to its root on the torus.
-const UPRIGHT: SkinPoint =
-    SkinPoint {
-        position: Vec3::ZERO,
-        normal: Vec3::Z,
-        uv: Vec2::ZERO,
-        color: Vec4::ONE,
-        place: MeshPlace::Vertex(0),
-    };
+const UPRIGHT: SkinPoint = SkinPoint {
+    position: Vec3::ZERO,
+    normal: Vec3::Z,
+    uv: Vec2::ZERO,
+    color: Vec4::ONE,
+    place: MeshPlace::Vertex(0),
+};
 
 /// The guard hairs of a patch.
 pub(super) struct GuardFur {
@@ -99,7 +98,8 @@ impl GuardFur {
 /// skin.
 fn rise(groom: &Groom, means: &SkinSamples) -> f32 {
     let hairs = &groom.coats[0].hairs;
-    let comb = Vec3::from(hairs.comb_direction) * groom.coats[0].parameters[Parameter::GuardComb as usize].value[0];
+    let comb =
+        Vec3::from(hairs.comb_direction) * groom.coats[0].parameters[Parameter::GuardComb as usize].value[0];
     let mean = means.over_normals(|n| {
         let lean = comb.reject_from_normalized(n);
         let polygon = control_polygon(n, leg_directions(n, lean, hairs.gravity));
