@@ -473,7 +473,7 @@ fn what_only_the_scenes_own_coat_decides_is_noted() {
         assert!(found[0].contains(key), "{key}: {found:?}");
     }
     for key in ["undercoat.density", "undercoat.height", "undercoat.color_tip", "undercoat.cell"] {
-        assert!(!found[0].contains(key), "{key}: {found:?}");
+        assert!(!found[0].contains(&format!("{key},")), "{key}: {found:?}");
     }
     let shells = notes(&format!("[render]\nfur = \"shells\"\n{HALF}"));
     assert!(shells.len() == 1 && shells[0].contains("mean coat"), "{shells:?}");

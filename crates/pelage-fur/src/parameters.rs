@@ -282,8 +282,8 @@ impl Maps<'_> {
         self.blend(|coat| self.hair_share(coat, at), lean)
     }
 
-    /// Pull of the tips towards clump centres, cm. `to_clump` gives the vector to the nearest centre
-    /// where there are as many 1/cm² as its argument says.
+    /// Pull of the tips towards clump centres, cm. `to_clump` gives the vector to the nearest
+    /// centre where there are as many 1/cm² as its argument says.
     pub fn clump_pull(&self, at: &SkinPoint, to_clump: impl Fn(f32) -> Vec3) -> Vec3 {
         let n = at.normal;
         let pull = |coat: usize| {

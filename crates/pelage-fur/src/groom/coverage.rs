@@ -57,10 +57,10 @@ impl Coverage {
     }
 }
 
-/// Coverage by triangle corner and by vertex: 1 on the chosen triangles; outside of them it falls by
-/// 1 per `edge` cm along the skin, below 0 too, so that it can be interpolated before it is cut. If
-/// `edge` is 0, each triangle has its own; a vertex then belongs to the part only if all triangles
-/// around it do, so that a bare part does not lower the fur beside it.
+/// Coverage by triangle corner and by vertex: 1 on the chosen triangles; outside of them it falls
+/// by 1 per `edge` cm along the skin, below 0 too, so that it can be interpolated before it is cut.
+/// If `edge` is 0, each triangle has its own; a vertex then belongs to the part only if all
+/// triangles around it do, so that a bare part does not lower the fur beside it.
 pub(super) fn coverage(skin: &Skin, chosen: &[bool], edge: f32) -> (Vec<f32>, Vec<f32>) {
     let mut vertices = vec![1.0; skin.positions.len()];
     if edge <= 0.0 {
