@@ -9,6 +9,9 @@
 @group(0) @binding(4) var<storage, read> base_light: array<vec2u>;
 @group(0) @binding(5) var triangle_ids: texture_2d<u32>;
 @group(0) @binding(6) var<storage, read_write> base_records: array<vec4u>;
+@group(0) @binding(7) var<storage, read> columns: array<Column>;
+// With FEATURES, the skin's albedo (shared/record) waits in the sample for the resolve pass.
+@group(0) @binding(8) var<storage, read_write> samples: array<vec4u>;
 
 #import shared/frame
 #import shared/index
@@ -17,6 +20,9 @@
 #import shared/lattice
 #import shared/skin
 #import shared/base
+#import shared/column
+#import shared/record
+#import shared/film_sample
 
 struct Varying {
     @builtin(position) clip: vec4f,
@@ -67,4 +73,11 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     }
     radiance *= side_factor(along < 0.0);
     base_records[i] = pack_base(z, radiance, skin_normal(place.vertices, lambda));
+    if FEATURES {
+        var albedo = vec3f(0.0);
+        for (var k = 0u; k < 3u; k++) {
+            albedo += cell.weights[k] * unpack_albedo(columns[cell.columns[k]].color_base);
+        }
+        samples[sample_vector(i) + 2u].x = pack_albedo(albedo);
+    }
 }

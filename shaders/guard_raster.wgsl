@@ -29,6 +29,8 @@ struct Bin {
 #import shared/oit_write
 #import shared/coverage
 #import shared/base
+#import shared/record
+#import shared/shade
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -39,8 +41,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let strand = bins[bin.start + i / groom.segments];
     let k = i % groom.segments;
     let at = strand * (groom.segments + 1u) + k;
-    let shade_a = unpack_half4(shades[at]);
-    let shade_b = unpack_half4(shades[at + 1u]);
+    let shade_a = unpack_half4(shades[shade_word(at)]);
+    let shade_b = unpack_half4(shades[shade_word(at + 1u)]);
     if shade_a.w > 0.5 && shade_b.w > 0.5 {
         return; // hidden from the camera
     }
@@ -91,7 +93,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             let xy = vec2u(select(vec2i(column, row), vec2i(row, column), steep) - frame.tile_origin);
             let index = tile_index(xy);
             if z < base_depth(base_records[index]) {
-                add_fragment(index, z, source, vec4f(mix(color_a, color_b, w) * alpha, alpha));
+                let node = add_fragment(index, z, source, vec4f(mix(color_a, color_b, w) * alpha, alpha));
+                if FEATURES {
+                    let words_a = shades[shade_word(at) + 1u];
+                    let words_b = shades[shade_word(at + 1u) + 1u];
+                    let albedo = mix(unpack_albedo(words_a.x), unpack_albedo(words_b.x), w);
+                    let tangent = mix(unpack_direction(words_a.y), unpack_direction(words_b.y), w);
+                    // Directions at the ends of a segment are less than a right angle apart.
+                    add_features(node, albedo, tangent * inverseSqrt(max(dot(tangent, tangent), 1e-12)));
+                }
             }
         }
     }

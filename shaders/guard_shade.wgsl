@@ -16,7 +16,7 @@
 @group(0) @binding(10) var<storage, read> roots: array<Root>;
 @group(0) @binding(11) var<storage, read> strand_vertices: array<vec4f>;
 @group(0) @binding(12) var<storage, read> tau: array<u32>;
-// Four halves: radiance; 1 if hidden.
+// Four halves: radiance; 1 if hidden. With FEATURES, albedo and tangent (shared/shade).
 @group(0) @binding(13) var<storage, read_write> shades: array<vec2u>;
 @group(0) @binding(14) var table_sampler: sampler;
 @group(0) @binding(15) var field_table: texture_2d_array<f32>;
@@ -41,6 +41,9 @@
 #import shared/guard_fibre
 #import shared/transport
 #import shared/dual
+#import shared/shade
+#import shared/record
+#import shared/octahedral
 
 // Optical depth towards the camera beyond which a vertex counts as hidden and is not shaded.
 const HIDDEN_TAU: f32 = 14.0;
@@ -102,6 +105,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let view = to_eye(x);
         let s = f32(k) / f32(groom.segments);
         let albedo = clamp(mix(color_root, color_tip, tip_share(hairs.color_transition, s)), vec3f(0.0), vec3f(1.0));
+        let word = shade_word(first + k);
+        if FEATURES {
+            shades[word + 1u] = vec2u(pack_albedo(albedo), pack_direction(tangent));
+        }
         if inside {
             inside = locate(&place, x, tangent, 3u) == INSIDE;
         }
@@ -113,7 +120,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         let cell = lattice_cell(&place);
         if fur.undercoat.opacity_cut > 0.0 && inside && eye_tau(cell) > HIDDEN_TAU {
-            shades[first + k] = pack_half4(vec4f(0.0, 0.0, 0.0, 1.0));
+            shades[word] = pack_half4(vec4f(0.0, 0.0, 0.0, 1.0));
             continue;
         }
         var radiance = vec3f(0.0);
@@ -129,13 +136,13 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         if MULTIPLE == MULTIPLE_TRANSPORT {
             let scattered = scattered_light(cell);
-            let normal = normalize(extrusion(&place));
+            let normal = extrusion_direction(&place, place.lambda);
             radiance += guard_response(albedo, tangent, view, normal, scattered[0], scattered[1]);
         }
         if groom.paper == 1u {
             // Darkening that grows exponentially towards the skin. [Andersen2016] sec. 3.1
             radiance *= 1.0 - hairs.root_darkening.x * exp(-s / hairs.root_darkening.y);
         }
-        shades[first + k] = pack_half4(vec4f(radiance, 0.0));
+        shades[word] = pack_half4(vec4f(radiance, 0.0));
     }
 }

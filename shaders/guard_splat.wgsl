@@ -35,6 +35,7 @@
 #import shared/strands
 
 const FIXED_POINT: f32 = 4194304.0; // units per cm2
+const LARGEST_HALF: f32 = 65504.0;  // largest finite number of 16 bits
 const PARTS: u32 = 2u;              // deposits per segment
 
 @compute @workgroup_size(64)
@@ -89,8 +90,10 @@ fn normalise(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) 
     var undercoat = 0.0;
     if t <= 1.0 && fur.undercoat.extinction > 0.0 {
         let p = noise_point(&place, place.lambda);
-        let tangent = mean_tangent(normalize(extrusion(&place)), t);
+        let tangent = mean_tangent(extrusion_direction(&place, place.lambda), t);
         undercoat = fur.undercoat.extinction * columns[column].density * clump_density(p, p, t) * crowding(&place, t, tangent);
     }
-    lattice_extinction[i] = pack2x16float(vec2f(undercoat, guard));
+    // Where the shell has hardly any height, nodes have hardly any volume. An infinite extinction
+    // times a path of no length would not be a number, and the skin there would be black.
+    lattice_extinction[i] = pack2x16float(min(vec2f(undercoat, guard), vec2f(LARGEST_HALF)));
 }

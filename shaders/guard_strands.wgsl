@@ -58,7 +58,7 @@ fn coat_pull(coat: u32, at: SkinPoint) -> vec3f {
     if clump <= 0.0 {
         return vec3f(0.0);
     }
-    let offset = to_clump(at.position, groom.coats[coat].hairs.clump_density);
+    let offset = to_clump(at.position - groom.origin, groom.coats[coat].hairs.clump_density);
     return clump * (offset - at.normal * dot(at.normal, offset));
 }
 

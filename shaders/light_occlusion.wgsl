@@ -52,7 +52,8 @@ fn hits_triangle(triangle: u32, origin: vec3f, ray: vec3f) -> bool {
     return u >= 0.0 && v2 >= 0.0 && u + v2 <= 1.0 && dot(e2, q) > 0.0;
 }
 
-// Whether the ray hits any triangle; depth-first traversal with a stack.
+// Whether the ray hits any triangle; depth-first traversal with a stack. The tree has fewer levels
+// than the stack has entries (`prepare::occluders`).
 fn blocked(origin: vec3f, ray: vec3f) -> bool {
     let inverse = 1.0 / select(ray, vec3f(1e-12), abs(ray) < vec3f(1e-12));
     var stack: array<u32, 48>;
@@ -67,11 +68,9 @@ fn blocked(origin: vec3f, ray: vec3f) -> bool {
         let first = bvh_nodes[node].first;
         let count = bvh_nodes[node].count;
         if count == 0u {
-            if depth + 2u <= 48u {
-                stack[depth] = first;
-                stack[depth + 1u] = first + 1u;
-                depth += 2u;
-            }
+            stack[depth] = first;
+            stack[depth + 1u] = first + 1u;
+            depth += 2u;
             continue;
         }
         for (var i = first; i < first + count; i++) {

@@ -2,7 +2,7 @@
 // outwards; `to_samples` turns the image into film samples. Colours are premultiplied linear RGB.
 // In: baked textures, `row_positions` (cm) and `row_lights` of shellfin_rows. Out: the colour and
 // depth targets; `samples`.
-// [Lengyel2001] sec. 4, [Tariq2007]
+// [Lengyel2001] sec. 2.3, [Tariq2007]
 
 struct FurCorner {
     vertex: u32,
@@ -138,7 +138,7 @@ fn slanted_color(row: ShellRow, color: vec4f, slant: f32, lit: Lit) -> vec4f {
 }
 
 // The fine layer blended with the coarser one; a row that the coarser level lacks fades out.
-// [Lengyel2001] sec. 4.5
+// [Lengyel2001] sec. 2.4
 fn layer_texel(texture: texture_2d_array<f32>, row: ShellRow, uv: vec2f) -> vec4f {
     let fine = textureSample(texture, repeating, uv, row.fine);
     if !DETAIL {
@@ -248,7 +248,7 @@ fn fin_fade(edge: FinEdge) -> f32 {
     if edge.opposite.y != NONE {
         n2 = normalize(cross(shell_vertices[edge.opposite.y].position - a, b - a));
     }
-    // [Lengyel2001] sec. 4.2
+    // [Lengyel2001] sec. 2.3
     // DEVIATION: uses the vertex normals, along which the fur stands, instead of the normals of the
     // two faces: otherwise every dent of a scanned skin would raise fins.
     let across = normalize(cross(normalize(b - a), shell_vertices[edge.a].normal + shell_vertices[edge.b].normal));
@@ -322,6 +322,7 @@ fn to_samples(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups)
     let d = textureLoad(depth_target, xy, 0);
     let z = select(NO_BASE, frame.near / max(d, 1e-12), d > 0.0);
     let packed = pack_film_sample(FilmSample(vec3f(0.0), c.rgb, vec3f(0.0), 1.0 - c.a, z, 0u, 0u));
-    samples[2u * i] = packed[0];
-    samples[2u * i + 1u] = packed[1];
+    let at = sample_vector(i);
+    samples[at] = packed[0];
+    samples[at + 1u] = packed[1];
 }

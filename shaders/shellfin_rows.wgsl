@@ -3,7 +3,7 @@
 // the frame.
 // In: skin, `groom`, `tau` of the columns at the vertices, `shell_rows`. Out: `row_positions` (cm)
 // and `row_lights` (linear RGB).
-// [Lengyel2001] sec. 4.4, [Xbdev]
+// [Lengyel2001] sec. 2.4, [Xbdev]
 
 struct Brush {
     center: vec3f,    // cm

@@ -2,7 +2,7 @@
 // instead of a nested march at every step of the view ray. Undercoat and guard hairs both count.
 // Level by level from the top: a ray that climbs is marched to the next level and takes the rest
 // from there; any other is marched to its end. Cf. [YukselKeyser2008]
-// In: `lattice_extinction` (1/cm), `columns`. Out: `tau` (shared/tau).
+// In: `lattice_extinction` (1/cm), `columns`. Out: `tau` (shared/tau), `light_counters`.
 
 struct Sweep {
     level: u32,
@@ -16,6 +16,9 @@ struct Sweep {
 @group(0) @binding(6) var<storage, read> columns: array<Column>;
 @group(0) @binding(7) var<storage, read> lattice_extinction: array<u32>;
 @group(0) @binding(8) var<storage, read_write> tau: array<u32>; // pairs of halves, see shared/tau
+
+// Number of paths towards lights that reached the last step of `march_out`.
+@group(0) @binding(9) var<storage, read_write> light_counters: array<atomic<u32>>;
 
 #import shared/constants
 #import shared/frame
@@ -40,10 +43,13 @@ fn fur_extinction(place: ptr<function, Place>, w: vec3f) -> f32 {
         sum += cell.weights[k] * mix(unpack2x16float(lattice_extinction[node]),
             unpack2x16float(lattice_extinction[node + 1u]), cell.fraction);
     }
-    let normal = normalize(extrusion(place));
+    let normal = extrusion_direction(place, (*place).lambda);
     let tangent = mean_tangent(normal, min((*place).t, 1.0));
     return sum.x * relative_projection(tangent, w) + sum.y * FRAC_PI_4; // the mean sine
 }
+
+// Largest number of steps of `march_out`; paths that need more are counted.
+const OUT_LIMIT: u32 = 200u;
 
 // Optical depth from x, which lies at `start`, towards w, marched to the end of the medium.
 fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
@@ -51,7 +57,7 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
     var sum = 0.0;
     var step = 0.5 * fur.undercoat.light_step;
     var distance = 0.0;
-    for (var i = 0u; i < 200u; i++) {
+    for (var i = 0u; i < OUT_LIMIT; i++) {
         let state = locate(&place, x + (distance + 0.5 * step) * w, w, 2u);
         if state != INSIDE || place.t > fur.lattice.reach {
             break;
@@ -62,6 +68,9 @@ fn march_out(start: ptr<function, Place>, x: vec3f, w: vec3f) -> f32 {
         sum += fur_extinction(&place, w) * step;
         if sum >= TAU_BLOCKED {
             return TAU_BLOCKED;
+        }
+        if i + 1u == OUT_LIMIT {
+            atomicAdd(&light_counters[0], 1u);
         }
         distance += step;
         step = min(fur.undercoat.light_step, step * 1.5);

@@ -31,11 +31,19 @@
 #import shared/source_table
 #import shared/fibre
 #import shared/undercoat_fibre
+#import shared/march_counters
 #import shared/march
 #import shared/phase
 #import shared/oit
 #import shared/oit_write
 #import shared/base
+#import shared/rounds
+
+// Unit vector along a sum of unit vectors; up where they cancel.
+fn mean_direction(sum: vec3f) -> vec3f {
+    let square = dot(sum, sum);
+    return select(vec3f(0.0, 1.0, 0.0), sum * inverseSqrt(max(square, 1e-20)), square > 1e-12);
+}
 
 @compute @workgroup_size(64)
 fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
@@ -76,6 +84,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         enter_shell(&march, &place, fragment_id(entry), z_entry, first_phase(xy));
         var through = 1.0;      // transmittance of this entry
         var chunk = vec4f(0.0); // premultiplied
+        var chunk_albedo = vec3f(0.0);
+        var chunk_tangent = vec3f(0.0);
         var chunk_z = z_entry;
         var closed = 0u;        // virtual fragments that are full
         while march.marching && through > fur.undercoat.opacity_cut {
@@ -111,6 +121,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 let part = 1.0 - through_next / through;
                 let room = 1.0 - chunk.a;
                 chunk += room * part * vec4f(march.radiance, 1.0);
+                if FEATURES {
+                    chunk_albedo += room * part * march.albedo;
+                    chunk_tangent += room * part * march.tangent;
+                }
                 let through_half = 1.0 - (f32(closed) + 0.5) / f32(virtual_fragments);
                 if chunk.a > 0.0 && virtual_fragments > 0u && through_next <= through_half && through > through_half {
                     // The fragment's depth is that at which half of its opacity is reached.
@@ -120,10 +134,15 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
                 z = z_next;
                 if virtual_fragments > 0u && z_next < z1 {
                     if chunk.a > 0.0 {
-                        add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
+                        let node = add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
+                        if FEATURES {
+                            add_features(node, chunk_albedo / chunk.a, mean_direction(chunk_tangent));
+                        }
                         serial++;
                     }
                     chunk = vec4f(0.0);
+                    chunk_albedo = vec3f(0.0);
+                    chunk_tangent = vec3f(0.0);
                     chunk_z = z;
                     closed++;
                 }
@@ -133,7 +152,10 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
             }
         }
         if chunk.a > 0.0 {
-            add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
+            let node = add_fragment(i, chunk_z, fragment_source(KIND_VOLUME, serial), chunk);
+            if FEATURES {
+                add_features(node, chunk_albedo / chunk.a, mean_direction(chunk_tangent));
+            }
             serial++;
         }
         z_after = z_entry;
@@ -141,6 +163,9 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         march.z = max(march.z, consumed);
     }
     if march.lost > 0u {
-        atomicAdd(&march_counters[0], 1u);
+        atomicAdd(&march_counters[RAYS_LOST], 1u);
+    }
+    if rounds_ran_out() {
+        atomicAdd(&march_counters[MARCHES_CUT], 1u);
     }
 }

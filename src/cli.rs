@@ -16,7 +16,10 @@ mod figure;
 mod frames;
 mod interrupt;
 mod lapped;
+mod new;
 mod output;
+mod presets;
+mod preview;
 mod progress;
 mod reference;
 mod render;
@@ -28,7 +31,7 @@ use pelage::{Error, Result};
 use std::num::NonZeroUsize;
 use std::process::ExitCode;
 
-/// Renders fur: guard hairs as strands, undercoat as a ray-marched shell, blended exactly.
+/// Renders fur: guard hairs as strands, undercoat as a volume, blended exactly.
 #[derive(Debug, Parser)]
 #[command(name = "pelage", version, max_term_width = 110, after_help = EXIT_CODES)]
 struct Cli {
@@ -45,7 +48,7 @@ WGPU_BACKEND, WGPU_ADAPTER_NAME and WGPU_POWER_PREF choose the adapter; RUST_LOG
 /// Options of all subcommands.
 #[derive(Debug, Args)]
 struct Global {
-    /// No progress, no summary, no warnings.
+    /// No progress, no summary, no warnings
     #[arg(long, short, global = true)]
     quiet: bool,
     /// Progress on stderr [default: bar on a terminal, none otherwise]
@@ -60,12 +63,16 @@ struct Global {
 enum Command {
     /// Render a scene to PNG or EXR files
     Render(render::RenderArgs),
-    /// Path trace a scene's ground truth on the CPU, with every hair as a strand; needs no GPU
+    /// Write a commented scene file for a mesh, with the camera and lights that suit it
+    New(new::NewArgs),
+    /// Path trace a scene on the CPU with every hair as a strand: the ground truth; needs no GPU
     Reference(reference::ReferenceArgs),
-    /// Print the resolved scene with counts and a memory estimate; needs no GPU
+    /// Check a scene and print its size, hairs, memory and warnings; needs no GPU
     Check(check::CheckArgs),
-    /// Print the JSON schema of scene files
-    Schema,
+    /// List the presets of fur, or print one
+    Presets(presets::PresetsArgs),
+    /// Print the JSON schema of scene files, or all their keys as Markdown
+    Schema(schema::SchemaArgs),
     /// List the GPU adapters
     Devices(devices::DevicesArgs),
     /// Write a scene's strands, mesh or whole fur for other renderers
@@ -81,7 +88,7 @@ enum Command {
     Bench(bench::BenchArgs),
     /// Produce figures and tables of the papers from paper_figures/
     Figure(figure::FigureArgs),
-    /// Measure the approximations against the ground truth and write a report; exit with 1 if a
+    /// Measure the approximations against the ground truth and write a report; exits with 1 if a
     /// goal is missed
     Validate(validate::ValidateArgs),
 }
@@ -97,8 +104,12 @@ pub fn run() -> ExitCode {
         }
     };
     start_logging(cli.global.quiet);
-    match dispatch(&cli) {
+    match interrupt::listen().and_then(|()| dispatch(&cli)) {
         Ok(()) => ExitCode::SUCCESS,
+        Err(Error::Interrupted) => {
+            report(&Error::Interrupted);
+            interrupt::quit()
+        }
         Err(e) => {
             report(&e);
             ExitCode::from(e.exit_code())
@@ -115,9 +126,11 @@ fn dispatch(cli: &Cli) -> Result<()> {
     }
     match &cli.command {
         Command::Render(args) => render::run(args, &cli.global),
+        Command::New(args) => new::run(args, &cli.global),
         Command::Reference(args) => reference::run(args, &cli.global),
         Command::Check(args) => check::run(args, &cli.global),
-        Command::Schema => schema::run(),
+        Command::Presets(args) => presets::run(args),
+        Command::Schema(args) => schema::run(args),
         Command::Devices(args) => devices::run(args),
         Command::Export(args) => export::run(args, &cli.global),
         Command::Bake(args) => bake::run(args, &cli.global),

@@ -82,8 +82,8 @@ pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 /// Scene files: their values, overrides, and JSON schema.
 pub mod scene {
     pub use pelage_core::scene::{
-        Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, FurLayers, Override,
-        Scalar, Storage, Tonemap, json_schema,
+        Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, Framing, FurLayers,
+        Override, Scalar, Storage, Tonemap, Units, UpAxis, json_schema, template,
     };
 }
 
@@ -94,7 +94,9 @@ pub mod assets {
 
 /// Images of named planes, their files, tone mapping, background and depth of field.
 pub mod film {
-    pub use pelage_core::film::{Film, Metadata, Plane, composite, depth_of_field, io, tonemap};
+    pub use pelage_core::film::{
+        Film, Metadata, Plane, composite, cryptomatte, depth_of_field, io, tev, tonemap,
+    };
 }
 
 /// Rendering of a [`World`]: hybrid fur, or shells and fins if the scene asks for
@@ -104,6 +106,7 @@ pub mod render {
     pub use pelage_core::hair::HairFile;
     pub use pelage_core::stats::{PassTime, Stats, Step};
     pub use pelage_gpu::{AdapterSummary, Gpu, list_adapters};
+    pub use pelage_render::mattes;
     pub use pelage_render::strands::strands;
     pub use pelage_render::{Frame, Progress, RenderOptions, open};
     pub use pelage_shells::{render, render_on, render_with};

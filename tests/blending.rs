@@ -1,6 +1,7 @@
 //! Blending of undercoat, guard hairs and skin in the image.
 
 use crate::common::worlds::{RGB, RGBA, ball, differing, largest, plane, render, rmse};
+use pelage_core::World;
 use pelage_core::scene::{Blend, FurLayers, LightLookup, Scene, Storage};
 use pelage_core::stats::Stats;
 
@@ -203,4 +204,42 @@ fn no_fragment_is_dropped() {
         tight.gpu_peak_bytes,
         tight.memory_budget_bytes
     );
+}
+
+/// A pelt so small in the picture that a sample has hundreds of fragments: the adapter may end the
+/// loops that read them, and the tile is then resolved once more from sorted lists.
+#[test]
+fn lists_of_hundreds_of_fragments_are_read_to_their_end() {
+    if crate::common::gpu::open().is_none() {
+        return;
+    }
+    let path = crate::common::root().join("scenes/cylinder.toml");
+    let at = |spp: u32| {
+        let set = ["film.width=16", "film.height=10", "film.filter=box", "render.fur=explicit"];
+        let mut set: Vec<String> = set.map(String::from).to_vec();
+        set.push(format!("film.spp={spp}"));
+        let (scene, assets) = Scene::load(&path, &set).expect("a scene");
+        render(&World::load(scene, &assets).expect("a world"))
+    };
+    let (coarse, fine) = (at(1), at(16));
+    assert!(coarse.stats.fragments_max > 500, "{}", coarse.stats.fragments_max);
+    for stats in [&coarse.stats, &fine.stats] {
+        assert_eq!((stats.fragments_unread, stats.rays_cut), (0, 0));
+    }
+    let read: f32 = plane(&coarse.film, "fragments.Y").iter().sum();
+    assert_eq!(read as u64, coarse.stats.fragments);
+    let mean = |film: &pelage_core::film::Film| plane(film, "R").iter().sum::<f32>() / 160.0;
+    let (a, b) = (mean(&coarse.film), mean(&fine.film));
+    println!("{} fragments, mean red {a} at 1 sample, {b} at 16", coarse.stats.fragments);
+    assert!((a / b - 1.0).abs() < 0.03, "{a} {b}");
+}
+
+#[test]
+fn hundreds_of_virtual_fragments_converge_too() {
+    let exact = blended(Blend::Exact, 1, |_| ()).0;
+    let (many, stats) = blended(Blend::Virtual, 600, |_| ());
+    let error = rmse(&many, &exact, &RGBA);
+    println!("600 virtual fragments: {error:.6}, longest list {}", stats.fragments_max);
+    assert!(error < 0.002 && stats.fragments_max > 600, "{error}");
+    assert_eq!((stats.fragments_unread, stats.rays_cut), (0, 0));
 }

@@ -26,7 +26,9 @@ fn help_and_version_are_not_errors() {
 #[test]
 fn every_subcommand_exists() {
     let help = pelage(&["--help"]).out;
-    for name in ["render", "check", "schema", "devices", "export", "bake", "compare", "bench", "figure"] {
+    for name in
+        ["render", "check", "presets", "schema", "devices", "export", "bake", "compare", "bench", "figure"]
+    {
         assert!(help.contains(&format!("  {name} ")), "{name} is not in\n{help}");
         pelage(&[name, "--help"]).expect(0, &[]);
     }
@@ -43,16 +45,44 @@ fn the_schema_is_json() {
 }
 
 #[test]
+fn check_says_what_to_expect() {
+    let text = pelage(&["check", "scenes/default.toml"]).expect(0, &[]).out;
+    let lines: Vec<_> = text.lines().map(|line| line.split_whitespace().next().unwrap_or_default()).collect();
+    assert_eq!(lines, ["body", "guard", "undercoat", "mesh", "picture", "memory", "time"], "{text}");
+    // The body is 20 cm long, its guard hairs 2.1 cm.
+    for part in
+        ["body         20.00 x", "2.1 cm, 10.5 % of the body's largest side", " of 1.0 GiB on the GPU"]
+    {
+        assert!(text.contains(part), "no {part} in {text}");
+    }
+    let small = ["check", "scenes/default.toml", "-D", "mesh.size=0.5"];
+    pelage(&small).expect(0, &["longest hair has 2.1 cm, more than a quarter", "groom.scale", "mesh.size"]);
+    let text = pelage(&["check", "scenes/default.toml", "--fur", "base"]).expect(0, &[]).out;
+    assert!(!text.contains("guard hairs") && !text.contains("undercoat"), "{text}");
+}
+
+#[test]
 fn check_prints_the_resolved_scene() {
-    let text = pelage(&["check", "scenes/default.toml", "-D", "camera.fov=31"]).expect(0, &[]).out;
-    for part in ["fov = 31", "# triangles", "# strands", "# subelements", "# total"] {
+    let args = ["check", "scenes/default.toml", "--full", "-D", "camera.fov=31"];
+    let text = pelage(&args).expect(0, &[]).out;
+    for part in ["fov = 31", "# body ", "# memory ", "[undercoat.fibre]"] {
         assert!(text.contains(part), "no {part} in {text}");
     }
     // The output is a scene file.
     let folder = Folder::new();
     let resolved = folder.write("resolved.toml", &text);
-    let again = pelage(&["check", &resolved]).expect(0, &[]).out;
+    let again = pelage(&["check", &resolved, "--full"]).expect(0, &[]).out;
     assert_eq!(again, text);
+}
+
+#[test]
+fn check_measures_the_time() {
+    let args = ["check", "tests/data/small.toml", "--json", "--measure"];
+    let time = &json(&pelage(&args).expect(0, &[]).out)["time"];
+    let seconds = |value: &Value| value.as_f64().unwrap_or_else(|| panic!("{time}"));
+    let (least, most) = (seconds(&time["total"][0]), seconds(&time["total"][1]));
+    assert!(0.0 < least && least < most, "{time}");
+    assert!(seconds(&time["preparation"]) > 0.0 && time["adapter"].is_string(), "{time}");
 }
 
 #[test]
@@ -65,6 +95,7 @@ fn check_prints_json() {
     assert_eq!(value["counts"]["strands"], 0, "the base has no hairs");
     assert!(value["bytes"]["budget"].is_u64());
     assert!(value["notes"].is_array());
+    assert_eq!(value["time"], Value::Null, "nothing was measured");
 }
 
 #[test]
@@ -172,4 +203,58 @@ fn a_closed_pipe_is_not_an_error() {
     drop(child.stdout.take());
     let run = Run::from(child.wait_with_output().unwrap()).expect(0, &[]);
     assert!(run.err.is_empty(), "{}", run.err);
+}
+
+#[test]
+fn check_estimates_what_the_renderer_prepares() {
+    let folder = Folder::new();
+    // Triangles whose edges ask for more levels of subdivision than there are.
+    let scene =
+        folder.write("scene.toml", "[mesh]\nshape = \"pyramid\"\nsize = 40\n[undercoat]\ncell = 0.0002\n");
+    let value = json(&pelage(&["check", &scene, "--json", "--fur", "implicit"]).expect(0, &[]).out);
+    let triangles = value["counts"]["triangles"].as_u64().unwrap();
+    assert_eq!(value["counts"]["subelements"].as_u64().unwrap(), triangles * 24 * 4u64.pow(6));
+    assert!(value["bytes"]["lattice"].as_u64().unwrap() > 0);
+}
+
+#[test]
+fn a_picture_of_a_few_pixels_holds_all_fragments_of_a_pelt() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    pelage(&["render", "scenes/cylinder.toml", "--size", "4x3", "--spp", "1", "-o", &image]).expect(0, &[]);
+}
+
+#[test]
+fn the_exposure_is_chosen_and_recorded() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let dark = ["--auto-exposure", "-D", "film.background=\"transparent\"", "--size", "40x25", "--spp", "1"];
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image];
+    args.extend(dark);
+    let run = pelage(&args).expect(0, &[]);
+    assert!(run.out.contains("exposure   ") && run.out.contains(" stops"), "{}", run.out);
+    let bytes = std::fs::read(&image).unwrap();
+    assert!(bytes.windows(20).any(|w| w == b"pelage.auto_exposure"), "no metadata");
+    args.extend(["--exposure", "1"]);
+    pelage(&args).expect(2, &["--auto-exposure"]);
+}
+
+#[test]
+fn frames_without_motion_are_noted() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image, "--size", "8x5", "--spp", "1"];
+    args.extend(["--fur", "base", "--frames", "2"]);
+    pelage(&args).expect(0, &["note: nothing moves", "animation.turntable"]);
+    args.extend(["-D", "animation.turntable=90"]);
+    assert!(!pelage(&args).expect(0, &[]).err.contains("nothing moves"));
+}
+
+#[test]
+fn an_empty_picture_is_noted() {
+    let folder = Folder::new();
+    let image = folder.at("out.png");
+    let mut args = vec!["render", "tests/data/small.toml", "-o", &image, "--size", "8x5", "--spp", "1"];
+    args.extend(["-D", "camera.eye=[0,0,100]", "-D", "camera.target=[0,0,200]"]);
+    pelage(&args).expect(0, &["note: no part of the fur is in the picture", "note: the picture is empty"]);
 }

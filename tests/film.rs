@@ -99,7 +99,7 @@ fn an_opaque_png_has_no_alpha_channel() {
 
 #[test]
 fn unknown_extensions_are_usage_errors() {
-    for path in ["a.jpg", "a", "a.exr.txt"] {
+    for path in ["a.gif", "a", "a.exr.txt"] {
         for result in [
             io::check_writable(path),
             io::write(&chart(2, 2), path, &Metadata::default(), &plain()),
@@ -375,7 +375,7 @@ fn missing_backgrounds_are_scene_errors() {
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("no-such.png"));
     scene.film.background = Background::Environment;
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("[environment]"));
-    scene.environment = Some(pelage_core::scene::Environment::default());
+    scene.environment = Some(pelage_core::scene::Environment { visible: false, ..Default::default() });
     assert!(message(composite::Backdrop::load(&scene, &assets)).contains("visible"));
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bad.png"), "bad").unwrap();

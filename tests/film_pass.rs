@@ -10,8 +10,8 @@ use pelage_gpu::Recorder;
 use pelage_gpu::recorder::Timings;
 use pelage_render::twin::film::{PLANES, Sample, pixel, unpack};
 
-/// Samples with random fields; some see nothing.
-fn samples(count: u32) -> Vec<[u32; 8]> {
+/// Samples with random fields, with features if `words` is 16 instead of 8; some see nothing.
+fn samples(count: u32, words: usize) -> Vec<Vec<u32>> {
     (0..count)
         .map(|i| {
             let half = |k: u32| u32::from(half::f16::from_f32(random(i, k)).to_bits());
@@ -19,7 +19,12 @@ fn samples(count: u32) -> Vec<[u32; 8]> {
             let nothing = i % 5 == 0;
             let z = if nothing { 1e30 } else { 4.0 + random(i, 20) };
             let normal = if i % 3 == 0 { 0 } else { hash2(i, 21) | 1 };
-            [pair(0), pair(2), pair(4), pair(6), pair(8), f32::to_bits(z), normal, hash2(i, 22) % 50]
+            let coverage = |k: u32| random(i, k).to_bits();
+            let all = [
+                [pair(0), pair(2), pair(4), pair(6), pair(8), f32::to_bits(z), normal, hash2(i, 22) % 50],
+                [pair(30), pair(32), pair(34), pair(36), pair(38), coverage(40), coverage(41), coverage(42)],
+            ];
+            all.concat()[..words].to_vec()
         })
         .collect()
 }
@@ -35,17 +40,27 @@ fn weights(filter: Filter, grid: u32) -> (u32, [[f32; 4]; 32], u32) {
 
 #[test]
 fn pixels_agree_with_the_twin() {
+    pixels_agree(false);
+}
+
+#[test]
+fn pixels_with_features_agree_with_the_twin() {
+    pixels_agree(true);
+}
+
+fn pixels_agree(features: bool) {
     let Some(gpu) = gpu::open() else { return };
-    let fixture = Fixture::new(gpu, ball(|s| s.render.fur = pelage_core::scene::FurLayers::Base));
+    let world = ball(|s| s.render.fur = pelage_core::scene::FurLayers::Base);
+    let fixture = Fixture::with_features(gpu, world, features);
     for (filter, grid) in [(Filter::Box, 1), (Filter::Box, 3), (Filter::Gaussian, 2), (Filter::Mitchell, 4)] {
         let (reach, weights, taps) = weights(filter, grid);
         let pixels = [7u32, 5];
         let size = pixels.map(|p| p * grid + 2 * reach);
         let tile = fixture.tile([96, 64], [0, 0], size, 16);
-        let words = samples(size[0] * size[1]);
-        let all: Vec<Sample> = words.iter().map(|w| unpack(*w)).collect();
+        let words = samples(size[0] * size[1], if features { 16 } else { 8 });
+        let all: Vec<Sample> = words.iter().map(|w| unpack(w)).collect();
         let count = u64::from(pixels[0] * pixels[1]);
-        let input = gpu.upload("samples", 7, &words).unwrap();
+        let input = gpu.upload("samples", 7, &words.concat()).unwrap();
         let output = gpu.storage("pixels", 7, count * PLANES as u64 * 4).unwrap();
         let mut wanted = vec![[0f64; PLANES]; count as usize];
         // Twice, the second added to the first.
@@ -69,7 +84,7 @@ fn pixels_agree_with_the_twin() {
             recorder.submit(&mut Timings::default()).unwrap();
             for (i, sums) in wanted.iter_mut().enumerate() {
                 let at = [i as u32 % pixels[0], i as u32 / pixels[0]];
-                sums.iter_mut().zip(pixel(&r, size, &all, at)).for_each(|(sum, v)| *sum += v);
+                sums.iter_mut().zip(pixel(&tile.frame, &r, &all, at)).for_each(|(sum, v)| *sum += v);
             }
         }
         let found: Vec<f32> = gpu.read(&output, count * PLANES as u64 * 4).unwrap();

@@ -135,3 +135,39 @@ fn roots_are_uniform_in_their_triangles() {
         .collect();
     assert!(chi_square(&gathered) > 1000.0);
 }
+
+/// Two triangles with more candidates than a loop of a shader may have rounds, and than there are
+/// random numbers below those of the roots' seeds.
+#[test]
+fn roots_of_large_triangles_differ_from_each_other() {
+    let Some(gpu) = gpu::open() else { return };
+    let scene =
+        "[guard]\ndensity = 2500\nlength = 0.1\nsegments = 1\n[render]\nfur = \"explicit\"\nseed = 2\n";
+    let fixture =
+        Fixture::new(gpu, world_on(scene, Some(scaled(jittered_grid(1, 0.0), 8.0, 8.0)), Vec::new()));
+    let found: Vec<Root> = fixture.read("roots", fixture.strands());
+    let roots = twin(&fixture);
+    for prism in 0..2 {
+        let found: Vec<&Root> = found.iter().filter(|r| r.prism == prism).collect();
+        let wanted = roots.of(prism);
+        assert!((found.len() as f64 - 80_000.0).abs() <= 1.0, "{} roots", found.len());
+        assert_eq!(found.len(), wanted.len());
+        let same = found.iter().zip(&wanted).filter(|(a, b)| {
+            let d = [0, 1].map(|k| (a.lambda[k] - b.lambda[k]).abs());
+            a.seed == b.seed && d[0].max(d[1]) < 0.01
+        });
+        // Places next to an edge of the unit square may wrap.
+        assert!(same.count() * 1000 > 999 * found.len(), "the twin has other roots");
+        let seeds: std::collections::HashSet<u32> = found.iter().map(|r| r.seed).collect();
+        assert_eq!(seeds.len(), found.len(), "two roots have the same seed");
+        let places: std::collections::HashSet<[u32; 2]> =
+            found.iter().map(|r| r.lambda.map(f32::to_bits)).collect();
+        assert!(places.len() * 1000 > 995 * found.len(), "{} places of {}", places.len(), found.len());
+        // Thinning does not repeat the seeds of other roots.
+        let thinning = |k: u32| random(hash2(roots.seed, prism), 3 + k);
+        let of_seeds: std::collections::HashSet<u32> = found.iter().map(|r| r.seed >> 8).collect();
+        let repeated = (0..16_384).filter(|k| of_seeds.contains(&((thinning(*k) * 16_777_216.0) as u32)));
+        // 80,000 of 2^24 values are those of a seed by chance.
+        assert!(repeated.count() < 16_384 / 50);
+    }
+}

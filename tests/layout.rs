@@ -70,6 +70,7 @@ fn words_of_records_agree_with_wgsl() {
         }
     };
     assert_eq!(constant("NODE_WORDS"), pelage_fur::layout::NODE_WORDS);
+    assert_eq!(constant("NODE_FEATURE_WORDS"), pelage_fur::layout::NODE_FEATURE_WORDS);
 }
 
 #[test]

@@ -8,11 +8,17 @@ use pelage_core::{Result, Scene};
 use std::path::Path;
 
 fn scalar(map: &str) -> Scalar {
-    Scalar::Mapped(ScalarMap { map: map.into(), channel: Default::default(), value: 1.0, offset: 0.0 })
+    Scalar::Mapped(ScalarMap {
+        map: map.into(),
+        layer: String::new(),
+        channel: Default::default(),
+        value: 1.0,
+        offset: 0.0,
+    })
 }
 
 fn color(map: &str) -> pelage_core::scene::Color {
-    pelage_core::scene::Color::Mapped(ColorMap { map: map.into(), value: [1.0; 3] })
+    pelage_core::scene::Color::Mapped(ColorMap { map: map.into(), layer: String::new(), value: [1.0; 3] })
 }
 
 fn load(folder: &Path, change: impl FnOnce(&mut Scene)) -> Result<MapSet> {
@@ -24,7 +30,7 @@ fn load(folder: &Path, change: impl FnOnce(&mut Scene)) -> Result<MapSet> {
 fn image(width: u32, height: u32, texel: impl Fn(u32, u32) -> f32) -> MapImage {
     let texels = (0..height).flat_map(|y| (0..width).map(move |x| (x, y)));
     let texels = texels.map(|(x, y)| [texel(x, y), x as f32, y as f32, 1.0]).collect();
-    MapImage { name: String::new(), color: false, width, height, texels }
+    MapImage { name: String::new(), layer: String::new(), color: false, width, height, texels }
 }
 
 #[track_caller]
@@ -90,9 +96,9 @@ fn each_map_is_loaded_once_as_color_and_as_scalar() {
     })
     .expect("loaded");
     assert_eq!(set.images.len(), 2);
-    let raw = &set.images[set.index_of("a.png", false).expect("as a scalar")];
-    let linear = &set.images[set.index_of("a.png", true).expect("as a colour")];
-    assert_eq!(set.index_of("b.png", true), None);
+    let raw = &set.images[set.index_of("a.png", "", false).expect("as a scalar")];
+    let linear = &set.images[set.index_of("a.png", "", true).expect("as a colour")];
+    assert_eq!(set.index_of("b.png", "", true), None);
     assert_eq!((raw.width, raw.height, raw.texels.len()), (3, 2, 6));
     close(raw.texels[1], [188.0 / 255.0, 40.0 / 255.0, 0.0, 128.0 / 255.0]);
     // sRGB 188 is about half the light; alpha stays.
@@ -131,7 +137,7 @@ fn every_mapped_parameter_is_found() {
     })
     .expect("loaded");
     for (i, name) in names.iter().enumerate() {
-        assert!(set.index_of(name, i >= 9).is_some(), "{name}");
+        assert!(set.index_of(name, "", i >= 9).is_some(), "{name}");
     }
 }
 

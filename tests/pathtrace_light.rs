@@ -89,6 +89,12 @@ fn one_hair_shines_and_covers_as_computed() {
     }
     assert!((mean(&film, "guard.R") - mean(&film, "R")).abs() < 1e-6);
     assert_eq!(mean(&film, "undercoat.R"), 0.0);
+    // Colour and direction of the hair, and the normal of its ribbon, almost along the view.
+    for (name, wanted) in
+        [("Albedo.R", 0.5), ("Albedo.G", 1.0), ("Albedo.B", 0.25), ("Tangent.X", 1.0), ("N.Z", 1.0)]
+    {
+        assert!((mean(&film, name) / alpha - wanted).abs() < 2e-3, "{name}");
+    }
 }
 
 /// A square hair of length 1 under a light from above, with or without a hair over its left half.
@@ -136,6 +142,9 @@ fn skin_is_lambertian_and_shadowed() {
     }
     assert!((mean(&film, "A") - 1.0).abs() < 1e-6 && (mean(&film, "N.Y") - 1.0).abs() < 1e-5);
     assert!((mean(&film, "depth.Z") - 10.0).abs() < 1e-3);
+    for (name, wanted) in [("Albedo.R", 0.5), ("Albedo.G", 0.25), ("Albedo.B", 1.0), ("Tangent.Y", 0.0)] {
+        assert!((mean(&film, name) - wanted).abs() < 1e-4, "{name}");
+    }
     // A hair over the skin, seen from above, throws its shadow aside: twice its width is dark or
     // hair.
     let points = straight(Vec3::new(-9.0, 0.5, 0.0), Vec3::new(9.0, 0.5, 0.0), 0.05, 2);

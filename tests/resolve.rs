@@ -126,7 +126,12 @@ fn synthetic(count: usize, seed: u32) -> Vec<Vec<Node>> {
                     let z = 5.0 + (r(1) * 40.0).floor() / 32.0;
                     let alpha = f16::from_f32(0.02 + 0.2 * r(2)).to_f32();
                     let rgb = [3, 4, 5].map(|j| f16::from_f32(r(j) * alpha).to_f32());
-                    Node { z, source: (kind << 30) | k, color: Vec4::new(rgb[0], rgb[1], rgb[2], alpha) }
+                    Node {
+                        z,
+                        source: (kind << 30) | k,
+                        color: Vec4::new(rgb[0], rgb[1], rgb[2], alpha),
+                        ..Node::default()
+                    }
                 })
                 .collect()
         })
@@ -186,10 +191,59 @@ fn order_of_arrival_does_not_matter() {
     }
 }
 
+/// Faint fragments in long lists, in an order that puts many before those that were read.
+fn faint(lists: usize, length: u32) -> Vec<Vec<Node>> {
+    let node = |i: usize, k: u32| {
+        let z = 5.0 + ((k * 7919 + i as u32) % length) as f32 / 1024.0;
+        Node { z, source: k, color: Vec4::splat(f16::from_f32(0.0005).to_f32()), ..Node::default() }
+    };
+    (0..lists).map(|i| (0..length).map(|k| node(i, k)).collect()).collect()
+}
+
+/// The adapter ends the loops that read lists of thousands of fragments: that is counted, and
+/// sorted lists are read to their end.
+#[test]
+fn lists_that_are_too_long_for_the_loops_are_counted_and_can_be_sorted() {
+    let Some(m) = empty(Blend::Virtual) else { return };
+    let length = 3000;
+    let lists: Vec<Vec<Node>> = faint(8, length).into_iter().chain(vec![Vec::new(); 120]).collect();
+    let unsorted = resolved(&m, &lists, 0);
+    let counts = m.tile.counters().expect("counters");
+    let wanted: Vec<_> =
+        lists.iter().map(|l| blend_fragments(&m.fixture.fur.undercoat, l.clone(), None)).collect();
+    let complete = |found: &[Sample]| {
+        (0..8).all(|i| difference(&found[i], &wanted[i]) < 2e-3 && found[i].fragments == length)
+    };
+    // An adapter without such a limit reads all.
+    assert_eq!(complete(&unsorted), counts.unread == 0, "{counts:?}");
+    assert_eq!(counts.rays_cut > 0, counts.unread > 0, "{counts:?}");
+    if counts.unread == 0 {
+        return;
+    }
+    assert!(counts.listed == 8 * u64::from(length), "{counts:?}");
+    let sorted = m.tile.sort_and_resolve(false).expect("step 7");
+    let again = m.tile.counters().expect("counters");
+    assert_eq!((again.unread, again.rays_cut), (0, 0), "{again:?}");
+    assert!(complete(&sorted));
+    // Short lists are the same either way.
+    let short = synthetic(128, 3);
+    for blend in [Blend::Virtual, Blend::Simplified] {
+        let Some(m) = empty(blend) else { return };
+        let unsorted = resolved(&m, &short, 0);
+        assert!(m.tile.sort_and_resolve(false).expect("step 7") == unsorted, "{blend:?}");
+    }
+}
+
 /// Shell fragment of alpha `alpha`, strands behind it.
 fn shell_and_strands(alpha: f32, strands: &[(f32, f32)]) -> Vec<Node> {
-    let shell = Node { z: 1.0, source: 2 << 30, color: Vec4::new(0.5, 0.5, 0.5, 1.0) * alpha };
-    let strand = |(i, (z, a)): (usize, &(f32, f32))| Node { z: *z, source: i as u32, color: Vec4::splat(*a) };
+    let shell =
+        Node { z: 1.0, source: 2 << 30, color: Vec4::new(0.5, 0.5, 0.5, 1.0) * alpha, ..Node::default() };
+    let strand = |(i, (z, a)): (usize, &(f32, f32))| Node {
+        z: *z,
+        source: i as u32,
+        color: Vec4::splat(*a),
+        ..Node::default()
+    };
     std::iter::once(shell).chain(strands.iter().enumerate().map(strand)).collect()
 }
 
@@ -205,7 +259,7 @@ fn limits_of_the_simplified_alpha() {
     let mut nodes = shell_and_strands(0.7, &[(1.1, 0.2), (1.5, 1.0)]);
     let two = kept(1.0, &nodes[..2]);
     nodes[2].source = 2 << 30;
-    nodes.push(Node { z: 1.6, source: 9, color: Vec4::ONE });
+    nodes.push(Node { z: 1.6, source: 9, color: Vec4::ONE, ..Node::default() });
     assert_eq!(kept(1.0, &nodes), two);
 }
 
@@ -237,11 +291,16 @@ fn virtual_fragments_tend_to_the_strand_in_fog() {
     let mut fur = pelage_fur::groom::pack(&ball(|_| ())).expect("a groom").undercoat;
     fur.virtual_fragments = 1;
     let error = |k: u32| {
-        let mut nodes = vec![Node { z, source: 7, color: Vec4::new(c, c, c, 1.0) * a }];
+        let mut nodes = vec![Node { z, source: 7, color: Vec4::new(c, c, c, 1.0) * a, ..Node::default() }];
         for i in 0..k {
             let alpha = 1.0 - (-s * length / k as f32).exp();
             let middle = (i as f32 + 0.5) * length / k as f32;
-            nodes.push(Node { z: middle, source: (2 << 30) | i, color: Vec4::splat(alpha) });
+            nodes.push(Node {
+                z: middle,
+                source: (2 << 30) | i,
+                color: Vec4::splat(alpha),
+                ..Node::default()
+            });
         }
         let g = blend_fragments(&fur, nodes, None);
         ((g.guard + g.undercoat) - Vec3::splat(exact)).abs().max_element()

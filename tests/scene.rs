@@ -1,7 +1,7 @@
 //! Scene files: parsing, faults, overrides, includes, presets, the schema.
 
 use crate::common::{self, Folder, cases};
-use pelage_core::scene::{self, Blend, Color, FurLayers, Scalar, Shape, preset};
+use pelage_core::scene::{self, Blend, Color, Framing, FurLayers, Scalar, Shape, preset};
 use pelage_core::{Error, Scene, SceneFault};
 use proptest::prelude::*;
 
@@ -36,6 +36,9 @@ fn a_minimal_scene_has_the_defaults() {
     let scene = parse(MINIMAL, &[]);
     let mut expected = Scene::default();
     expected.mesh.shape = Some(Shape::Sphere);
+    // A camera without a position frames the fur.
+    expected.camera.frame = Framing::Auto;
+    expected.camera.fov = 20.0;
     assert_eq!(scene, expected);
 }
 
@@ -159,7 +162,7 @@ fn inconsistent_values_are_faults() {
         ("path = \"x.obj\"", "both mesh.path and mesh.shape"),
         ("[camera]\neye = [1, 2, 3]\ntarget = [1, 2, 3]", "eye and target are the same"),
         ("[camera]\neye = [0, 5, 0]", "parallel"),
-        ("[camera]\nup = [0, 0, 0]", "up is zero"),
+        ("[camera]\neye = [0, 0, 9]\nup = [0, 0, 0]", "up is zero"),
         ("[film]\nbackground = \"plate\"", "film.plate"),
         ("[film]\nbackground = \"environment\"", "[environment]"),
         ("[[lights]]\ndirection = [0, 0, 0]", "lights.0.direction"),
@@ -380,4 +383,26 @@ proptest! {
             Err(other) => prop_assert!(false, "{}", other),
         }
     }
+}
+
+#[test]
+fn groom_scale_scales_every_length_of_the_coat_once() {
+    let text = "\"$schema\" = \"pelage.json\"\n[mesh]\nshape = \"sphere\"\n[guard]\ncurl = 0.3\ncurl_frequency = 1.5\n\
+                length = { map = \"vertex_color\", value = 3, offset = 1 }\n[bake]\nheight = 2\n";
+    let plain = Scene::parse(text, "a.toml", &[]).unwrap();
+    let half = Scene::parse(text, "a.toml", &["groom.scale=0.5".into()]).unwrap();
+    let Scalar::Mapped(map) = &half.guard.length else { panic!("{:?}", half.guard.length) };
+    assert_eq!((map.value, map.offset), (1.5, 0.5));
+    assert_eq!((half.guard.curl.max(), half.guard.curl_frequency), (0.15, 3.0));
+    assert_eq!(half.guard.clump_density, 4.0 * plain.guard.clump_density);
+    assert_eq!(half.undercoat.height.max(), 0.5 * plain.undercoat.height.max());
+    assert_eq!(half.undercoat.noise_frequency, 2.0 * plain.undercoat.noise_frequency);
+    assert_eq!((half.bake.height, half.bake.patch), (Some(1.0), None));
+    assert_eq!(half.guard.diameter, plain.guard.diameter);
+    assert_eq!(half.guard.density, plain.guard.density);
+    // The resolved scene is not scaled again.
+    let resolved = toml::to_string(&half).unwrap();
+    assert!(!resolved.contains("[groom]") && !resolved.contains("$schema"), "{resolved}");
+    assert_eq!(Scene::parse(&resolved, "b.toml", &[]).unwrap(), half);
+    assert!(Scene::parse(text, "a.toml", &["groom.scale=0".into()]).is_err());
 }

@@ -85,7 +85,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     };
     change(&mut picture);
     let found = words.into_iter().map(|words| {
-        let s = unpack(words);
+        let s = unpack(&words);
         (s.undercoat.extend(1.0 - s.through), s.z)
     });
     Some(found.zip(picture.draw()).map(|((color, z), pixel)| (color, z, pixel)).collect())

@@ -22,6 +22,7 @@ struct Frame {
 @group(0) @binding(0) var<uniform> frame: Frame;
 
 const FLAG_MARCH_JITTER: u32 = 1u;
+const FLAG_SORTED_LISTS: u32 = 2u;   // the lists of fragments are linked in order of depth
 
 // Number of samples of the tile.
 fn tile_samples() -> u32 {

@@ -82,7 +82,7 @@ fn parameter_texel(coat: u32, parameter: u32, at: SkinPoint) -> vec4f {
     switch groom.coats[coat].parameters[parameter].source {
         case 1u: { return at.color; }
         case 2u: { return bilinear(coat, parameter, at.uv); }
-        case 3u: { return triplanar(coat, parameter, at.position, at.normal); }
+        case 3u: { return triplanar(coat, parameter, at.position - groom.origin, at.normal); }
         default: { return vec4f(1.0); }
     }
 }

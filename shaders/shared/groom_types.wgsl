@@ -44,5 +44,7 @@ struct Groom {
     vertex_rows: u32,       // row of the first vertex
     count: u32,             // of coats, at least 1
     padding: u32,
+    origin: vec3f,          // of clumps and of maps without uv: the mesh's translation, cm
+    more_padding: u32,
     coats: array<Coat, 16>, // the scene's own, then those of its parts; later ones lie above
 }

@@ -1,11 +1,13 @@
 // The ray march through the undercoat, [Andersen2016] sec. 3.2: enters at an entry fragment, takes
 // steps of fixed length, hops by the neighbour table. Depth z is the ray parameter (cm along the
 // view axis).
-// Needs: node_light (array<vec4u>), fur (uniform FurParameters); shared/volume, shared/lattice,
+// Needs: node_light (array<vec4u>), fur (uniform FurParameters), march_counters
+// (array<atomic<u32>>); shared/march_counters, shared/volume, shared/lattice,
 // shared/undercoat_fibre, shared/frame.
 
 #import shared/halves
 #import shared/transmittance
+#import shared/features
 
 struct March {
     marching: bool,   // inside the shell
@@ -16,6 +18,8 @@ struct March {
     speed: f32,       // path length (cm) per cm of depth
     sigma: f32,       // extinction of the current step per cm of depth
     radiance: vec3f,  // source radiance of the current step
+    albedo: vec3f,    // with FEATURES: that of its hairs
+    tangent: vec3f,   // with FEATURES: their direction
     ray: vec3f,
     view: vec3f,      // unit, towards the camera
     lost: u32,        // number of steps whose prism was not found
@@ -51,11 +55,14 @@ fn enter_shell(m: ptr<function, March>, place: ptr<function, Place>, index: u32,
 // ignores guard hairs.
 override NESTED: bool = false;
 
+// Largest number of steps of the nested march; paths that need more are counted.
+const NESTED_LIMIT: u32 = 400u;
+
 // Optical depth of the undercoat from x, which lies at `start`, towards l.
 fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
     var place = *start;
     var sum = 0.0;
-    for (var i = 0u; i < 400u; i++) {
+    for (var i = 0u; i < NESTED_LIMIT; i++) {
         let state = locate(&place, x + (f32(i) + 0.5) * fur.undercoat.step * l, l, 2u);
         if state != INSIDE || place.t > 1.0 || sum > TAU_BLOCKED {
             break;
@@ -65,12 +72,16 @@ fn nested_tau(start: ptr<function, Place>, x: vec3f, l: vec3f) -> f32 {
             break;
         }
         sum += extinction(medium_at(&place), l) * fur.undercoat.step;
+        if i + 1u == NESTED_LIMIT {
+            atomicAdd(&march_counters[LIGHT_PATHS_CUT], 1u);
+        }
     }
     return sum;
 }
 
 // In-scattered radiance towards `view` per extinction at a place, and the density factor there.
-fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f) -> vec4f {
+// `seen`: with FEATURES, receives the albedo.
+fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f, seen: ptr<function, vec3f>) -> vec4f {
     let cell = lattice_cell(place);
     var ambient = vec4f(0.0);  // log2 of the radiance from all but the key lights; density factor
     var tau = vec2f(0.0);
@@ -92,6 +103,9 @@ fn source_radiance(place: ptr<function, Place>, m: Medium, x: vec3f, view: vec3f
         }
         let through = light_through(tau[j], albedo);
         sum += fur.lights.key_irradiance[j].rgb * through * scatter_undercoat(m.tangent, l, view, albedo);
+    }
+    if FEATURES {
+        *seen = albedo;
     }
     return vec4f(sum * undercoat_factor(albedo), ambient.a);
 }
@@ -123,12 +137,17 @@ fn next_step(m: ptr<function, March>, place: ptr<function, Place>) {
     (*m).z_end = select((*m).z + dz, z_out, (*m).last);
     (*place).t = clamp(t, 0.0, 1.0);
     let medium = medium_at(place);
-    let source_density = source_radiance(place, medium, x, (*m).view);
+    var albedo = vec3f(0.0);
+    let source_density = source_radiance(place, medium, x, (*m).view, &albedo);
     let lost = found == LOST && (*m).lost < LOST_LIMIT;
     let sigma = extinction(medium, (*m).view) * source_density.a * (*m).speed;
     // Lost: continue with the medium of the previous step.
     (*m).sigma = select(sigma, (*m).sigma, lost);
     (*m).radiance = select(source_density.rgb, (*m).radiance, lost);
+    if FEATURES {
+        (*m).albedo = select(albedo, (*m).albedo, lost);
+        (*m).tangent = select(medium.tangent, (*m).tangent, lost);
+    }
     if lost {
         (*m).marching = true;
         (*m).last = false;

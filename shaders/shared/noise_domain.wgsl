@@ -10,9 +10,9 @@ fn skin_uv(prism: u32, lambda: vec3f) -> vec2f {
 }
 
 // The skin's point at barycentric coordinates of the place's prism, in the noise domain: its
-// position (cm), or its uv.
+// position relative to the mesh's translation (cm), so that the fur moves with the mesh, or its uv.
 fn noise_point(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
-    var p = skin_at(place, lambda);
+    var p = skin_at(place, lambda) - fur.undercoat.origin;
     if fur.undercoat.noise_domain == 1u {
         p = vec3f(skin_uv((*place).prism, lambda), 0.0);
     }

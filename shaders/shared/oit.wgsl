@@ -3,7 +3,11 @@
 // valid. A node that does not fit is counted but not stored: the counter then exceeds the capacity,
 // and the tile is rendered again in smaller parts. [Yang2010], [Andersen2016] sec. 4
 
+#import shared/features
+
 const NODE_WORDS: u32 = 5u;
+// Words that a node has in addition with FEATURES.
+const NODE_FEATURE_WORDS: u32 = 2u;
 const KIND_STRAND: u32 = 0u;
 const KIND_ENTRY: u32 = 1u;
 const KIND_VOLUME: u32 = 2u;
@@ -14,13 +18,15 @@ const ID_MASK: u32 = 0x3fffffffu;
 const NODE_Z: u32 = 1u;        // depth, cm
 const NODE_SOURCE: u32 = 2u;   // kind and id; breaks ties of depth independently of arrival
 const NODE_COLOR: u32 = 3u;    // premultiplied, four halves; of an entry: unused
+const NODE_ALBEDO: u32 = 5u;   // with FEATURES: packed as in shared/record
+const NODE_TANGENT: u32 = 6u;  // with FEATURES: a packed direction
 
 fn head_word(sample_index: u32) -> u32 {
     return 1u + sample_index;
 }
 
 fn node_word(node: u32) -> u32 {
-    return 1u + tile_samples() + (node - 1u) * NODE_WORDS;
+    return 1u + tile_samples() + (node - 1u) * (NODE_WORDS + select(0u, NODE_FEATURE_WORDS, FEATURES));
 }
 
 fn fragment_source(kind: u32, id: u32) -> u32 {

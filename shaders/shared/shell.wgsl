@@ -53,7 +53,13 @@ fn extrusion_at(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
     return (*place).v0 + lambda.y * (*place).w1 + lambda.z * (*place).w2;
 }
 
-// The same at the barycentric coordinates of the place.
+// Its direction; the triangle's normal where the shell has no height.
+fn extrusion_direction(place: ptr<function, Place>, lambda: vec3f) -> vec3f {
+    let v = extrusion_at(place, lambda);
+    return normalize(select(cross((*place).e1, (*place).e2), v, dot(v, v) > 0.0));
+}
+
+// The vector at the barycentric coordinates of the place.
 fn extrusion(place: ptr<function, Place>) -> vec3f {
     return extrusion_at(place, (*place).lambda);
 }

@@ -24,6 +24,8 @@ struct UndercoatParameters {
     virtual_fragments: u32,
     density: f32,              // largest density, 1/cm2
     attenuation: f32,          // a of [Andersen2016] eq. 4, 1/cm
+    origin: vec3f,             // of the noise's domain: the mesh's translation, cm
+    padding: u32,
 }
 
 // The optical-depth lattice.

@@ -8,7 +8,7 @@
 fn subelement_medium(place: ptr<function, Place>, layer: u32, id: u32) -> Medium {
     let l = subelement_centroid(id, (*place).subdivision);
     let t = (f32(layer) + 0.5) / f32(fur.undercoat.layers);
-    let normal = normalize(extrusion_at(place, l));
+    let normal = extrusion_direction(place, l);
     var medium = evaluate_medium(noise_point(place, l), normal, t, hash2((*place).prism, (layer << 16u) | id));
     medium.density *= crowding(place, t, medium.tangent);
     return medium;

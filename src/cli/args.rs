@@ -3,16 +3,19 @@
 use super::choice::{choice, name};
 use clap::Args;
 use pelage::assets::Assets;
-use pelage::scene::{Blend, FurLayers, Override, Tonemap};
+use pelage::scene::{Blend, FurLayers, Override, Tonemap, Units, UpAxis};
 use pelage::{Result, Scene};
 use std::path::PathBuf;
 
 /// A scene file and its overrides.
 #[derive(Debug, Args)]
 pub(super) struct SceneArgs {
-    /// Scene file (TOML)
-    #[arg(value_name = "SCENE")]
+    /// Scene file (TOML), or a mesh (OBJ, glTF, GLB, PLY, STL), which is rendered with a preset, a
+    /// camera and lights that suit it
+    #[arg(value_name = "SCENE|MESH")]
     pub scene: PathBuf,
+    #[command(flatten)]
+    body: BodyArgs,
     /// Override a value of the scene file, e.g. -D camera.fov=30 or -D lights.0.irradiance=[1,1,1]
     #[arg(short = 'D', value_name = "KEY.PATH=VALUE", value_parser = key_value)]
     define: Vec<String>,
@@ -52,6 +55,34 @@ pub(super) struct SceneArgs {
     strict: bool,
 }
 
+/// What a mesh does not say of itself.
+#[derive(Debug, Args)]
+pub(super) struct BodyArgs {
+    /// Coat of the animal; `pelage presets` lists them [default for a mesh: brown_mink]
+    #[arg(long, value_name = "NAME", help_heading = "Body and coat")]
+    preset: Option<String>,
+    /// Longest side of the body, e.g. 30cm, 0.3m or 12in
+    #[arg(long, value_name = "LENGTH", value_parser = length, help_heading = "Body and coat")]
+    body_size: Option<f64>,
+    /// Unit of the mesh's coordinates
+    #[arg(long, value_parser = choice::<Units>(), help_heading = "Body and coat")]
+    units: Option<Units>,
+    /// Axis of the mesh that points up
+    #[arg(long, value_parser = choice::<UpAxis>(), help_heading = "Body and coat")]
+    up: Option<UpAxis>,
+}
+
+impl BodyArgs {
+    fn overrides(&self) -> impl Iterator<Item = Override> {
+        overrides([
+            ("--preset", "preset", self.preset.clone()),
+            ("--body-size", "mesh.size", self.body_size.map(|v| v.to_string())),
+            ("--units", "mesh.units", self.units.and_then(|v| name(&v))),
+            ("--up", "mesh.up", self.up.and_then(|v| name(&v))),
+        ])
+    }
+}
+
 impl SceneArgs {
     /// Loads the scene with all overrides.
     pub fn load(&self) -> Result<(Scene, Assets)> {
@@ -86,6 +117,7 @@ impl SceneArgs {
             ("--exposure", "film.exposure", self.exposure.map(|v| format!("{v:?}"))),
             ("--strict", "mesh.strict", self.strict.then(|| "true".to_owned())),
         ];
+        all.extend(self.body.overrides());
         all.extend(overrides(flags));
         Ok(all)
     }
@@ -106,8 +138,29 @@ pub(super) fn key_value(text: &str) -> Result<String, String> {
     Override::parse(text).map(|_| text.to_owned()).map_err(|_| "expected key.path=value".into())
 }
 
+/// A length with a unit, in cm; without a unit it is cm.
+pub(super) fn length(text: &str) -> Result<f64, String> {
+    let expected = || format!("expected a length above 0 such as 30cm, 300mm, 0.3m or 12in, found {text:?}");
+    let digits = text.find(|c: char| c.is_ascii_alphabetic()).unwrap_or(text.len());
+    let (number, unit) = text.split_at(digits);
+    let cm = match unit {
+        "" | "cm" => 1.0,
+        "mm" => 0.1,
+        "m" => 100.0,
+        "in" => 2.54,
+        _ => return Err(expected()),
+    };
+    let length = number.trim().parse::<f64>().map_err(|_| expected())? * cm;
+    if length.is_finite() && length > 0.0 { Ok(length) } else { Err(expected()) }
+}
+
 /// `WxH` in pixels.
 pub(super) fn size(text: &str) -> Result<[u32; 2], String> {
+    if let Ok(cm) = length(text) {
+        return Err(format!(
+            "expected WIDTHxHEIGHT of the picture in pixels, e.g. 960x568; for a body of {cm} cm give --body-size {text}"
+        ));
+    }
     let expected = || format!("expected WIDTHxHEIGHT in pixels, e.g. 960x568, found {text:?}");
     let (w, h) = text.split_once(['x', 'X']).ok_or_else(expected)?;
     let side = |t: &str| t.trim().parse::<u32>().ok().filter(|n| *n > 0).ok_or_else(expected);
@@ -175,6 +228,17 @@ mod tests {
         for bad in ["", "GiB", "1 parsec", "-1GiB", "1e400", "99999999GiB"] {
             assert!(bytes(bad).is_err(), "{bad}");
         }
+    }
+
+    #[test]
+    fn lengths_with_units() {
+        for (text, cm) in [("30cm", 30.0), ("30", 30.0), ("300 mm", 30.0), ("0.3m", 30.0), ("10in", 25.4)] {
+            assert!((length(text).unwrap() - cm).abs() < 1e-9, "{text}");
+        }
+        for bad in ["", "cm", "-3cm", "0", "3ft", "1e999m", "960x568"] {
+            assert!(length(bad).is_err(), "{bad}");
+        }
+        assert!(size("30cm").unwrap_err().contains("--body-size 30cm"));
     }
 
     #[test]

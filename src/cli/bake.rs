@@ -12,6 +12,9 @@ use pelage::{Error, Result, World};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage bake scenes/default.toml -o fur/ --gltf
+  pelage bake scenes/default.toml -o fur/ --layers 32 --resolution 256x256 --formats png")]
 pub(super) struct BakeArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -24,7 +27,7 @@ pub(super) struct BakeArgs {
     /// Number of layers, 1 to 128
     #[arg(long, value_name = "N")]
     layers: Option<u32>,
-    /// Texels of a layer
+    /// Size of a layer in texels
     #[arg(long, value_name = "WxH", value_parser = args::size)]
     resolution: Option<[u32; 2]>,
     /// Edge of the square that the texture covers and repeats, cm
@@ -63,8 +66,8 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
         ));
     }
     shells::check_folder(&args.outdir)?;
-    let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, false, global.quiet)?;
     let textures = shells::bake(&world)?;
     let metadata = Metadata::of_program()
         .with_scene(&toml::to_string(&world.scene).unwrap_or_default())

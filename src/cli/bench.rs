@@ -11,6 +11,10 @@ use std::num::NonZeroU32;
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage bench scenes/cylinder.toml --size 960x568 --runs 3
+  pelage bench --sweep blend
+  pelage bench --shells --json shells.json")]
 pub(super) struct BenchArgs {
     /// Scene files [default: cylinder, hat and bunny; with --sweep: cylinder; with --shells: a
     /// furry bunny and other meshes]

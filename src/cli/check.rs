@@ -1,18 +1,32 @@
-//! `pelage check`: the resolved scene, with expected counts and memory.
+//! `pelage check`: size, hairs, memory and time to expect; the resolved scene on request.
 
 use super::Global;
 use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage::scene::{FurLayers, Storage};
+use pelage::render::{self, RenderOptions};
+use pelage::scene::{Scalar, Storage};
 use pelage::{Error, Result, Scene, World};
+use pelage_core::scene::Coat;
+use pelage_fur::extent::Extent;
+use pelage_render::prepare::{lattice_bytes, strand_bytes};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage check scenes/default.toml             size, hairs, memory, warnings
+  pelage check scenes/default.toml --measure   the same, and the time that rendering takes
+  pelage check scenes/default.toml --full > resolved.toml")]
 pub(super) struct CheckArgs {
     #[command(flatten)]
     scene: SceneArgs,
-    /// Print JSON
+    /// Also print the resolved scene: every key with its value. The output is a scene file
+    #[arg(long, conflicts_with = "json")]
+    full: bool,
+    /// Render a small picture on this adapter and estimate the time of the whole one
+    #[arg(long)]
+    measure: bool,
+    /// Print all of it as JSON
     #[arg(long)]
     json: bool,
 }
@@ -29,6 +43,7 @@ struct Counts {
     has_uv: bool,
     lights: u64,
     strands: u64,
+    undercoat_hairs: u64,
     subelements: u64,
 }
 
@@ -38,108 +53,184 @@ struct Bytes {
     skin: u64,
     strands: u64,
     undercoat: u64,
+    lattice: u64,
     maps: u64,
     budget: u64,
 }
 
 // Estimated bytes: position, normal and colour of a vertex; indices, neighbours and prism corners
-// of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
+// of a triangle; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
-const ROOT: u64 = 48;
-const SEGMENT_VERTEX: u64 = 32;
 const SUBELEMENT: u64 = 4;
 // Of up to four parts that choose groups or materials, at a corner or a vertex.
 const COVERAGE: u64 = 8;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
-    let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, true, global.quiet)?;
     let counts = counts(&world);
-    let bytes = bytes(&world, &counts);
+    let bytes = bytes(&world, &counts)?;
+    let toml = toml::to_string(&world.scene)
+        .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
     if args.json {
-        let notes = &world.skin.notes;
+        let (scene, notes) = (output::to_json(&world.scene, "scene")?, world.notes.clone());
+        let time = args.measure.then(|| measure(&mut world)).transpose()?;
         return output::print_json(&serde_json::json!({
-            "scene": world.scene, "counts": counts, "bytes": bytes, "notes": notes,
+            "scene": scene, "counts": counts, "bytes": bytes, "notes": notes, "time": time,
         }));
     }
-    output::print(&text(&world.scene, &counts, &bytes)?)
+    let mut text = summary(&world, &counts, &bytes);
+    if args.measure {
+        text += &measure(&mut world)?.text();
+    } else {
+        text += "time         not estimated: --measure renders a small picture to tell\n";
+    }
+    if args.full {
+        text = text.lines().map(|line| format!("# {line}\n")).collect();
+        text += &format!("\n{toml}");
+    }
+    output::print(&text)
 }
 
 fn counts(world: &World) -> Counts {
-    let (scene, skin) = (&world.scene, &world.skin);
-    let area = skin.area();
-    let guard = matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid);
-    let undercoat = matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid);
+    let skin = &world.skin;
+    let extent = Extent::of(world);
     let (lo, hi) = skin.bounds();
     Counts {
         vertices: skin.positions.len() as u64,
         triangles: skin.triangles.len() as u64,
-        area,
+        area: extent.area,
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
         lights: world.lights.len() as u64,
-        strands: if guard { expected_strands(scene, area) } else { 0 },
-        subelements: if undercoat { subelements(world) } else { 0 },
+        strands: extent.guard_hairs.round() as u64,
+        undercoat_hairs: extent.undercoat_hairs.round() as u64,
+        subelements: extent.subelements,
     }
 }
 
-fn expected_strands(scene: &Scene, area: f64) -> u64 {
-    let density = scene.largest(|coat| coat.guard.density.max()).max(0.0);
-    (area * f64::from(density)).round() as u64
-}
-
-/// Layers times 4^d, with d from the longest edge if the scene does not set it.
-fn subelements(world: &World) -> u64 {
-    let undercoat = &world.scene.undercoat;
-    let layers = u64::from(undercoat.layers);
-    let level = |t: usize| match undercoat.subdivision {
-        Some(d) => d,
-        None => {
-            let [a, b, c] = world.skin.corners(t);
-            let longest = a.distance(b).max(b.distance(c)).max(c.distance(a));
-            (longest / undercoat.cell).log2().ceil().clamp(0.0, 7.0) as u32
-        }
-    };
-    (0..world.skin.triangles.len()).map(|t| layers << (2 * level(t))).sum()
-}
-
-fn bytes(world: &World, counts: &Counts) -> Bytes {
-    let segments = world.scene.coats().map(|coat| u64::from(coat.guard.segments)).max().unwrap_or(1);
+fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
+    let segments = world.scene.coats().map(|coat| coat.guard.segments).max().unwrap_or(1);
     let lanes = world.scene.parts.iter().filter(|part| part.has_sections()).count() as u64;
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
-    Bytes {
+    Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
-        strands: counts.strands * (ROOT + (segments + 1) * SEGMENT_VERTEX),
+        strands: counts.strands * strand_bytes(segments, false),
         undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
+        lattice: lattice_bytes(world)?,
         maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum::<u64>()
             + (3 * counts.triangles + counts.vertices) * COVERAGE * lanes.div_ceil(4),
         budget: world.scene.render.memory,
+    })
+}
+
+/// The largest side of the body, cm.
+fn largest_side(c: &Counts) -> f32 {
+    c.extent.iter().copied().fold(0.0, f32::max)
+}
+
+/// The longest of a length of all coats, in cm, with its share of the body's largest side.
+fn against_body<'a>(scene: &'a Scene, of: impl Fn(&Coat<'a>) -> &'a Scalar, c: &Counts) -> String {
+    let longest = scene.coats().map(|coat| of(&coat).max()).fold(f32::NEG_INFINITY, f32::max);
+    let everywhere = scene.coats().all(|coat| *of(&coat) == Scalar::Constant(longest));
+    let up_to = if everywhere { "" } else { "up to " };
+    let share = 100.0 * longest / largest_side(c);
+    let share =
+        if share.is_finite() { format!(", {share:.1} % of the body's largest side") } else { String::new() };
+    format!("{up_to}{longest} cm{share}")
+}
+
+fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
+    let (scene, [x, y, z]) = (&world.scene, c.extent);
+    let mut text = format!("body         {x:.2} x {y:.2} x {z:.2} cm, skin {:.1} cm²\n", c.area);
+    if c.strands > 0 {
+        let length = against_body(scene, |coat| &coat.guard.length, c);
+        text += &format!("guard hairs  {}, {length}\n", count(c.strands));
+    }
+    if c.undercoat_hairs > 0 {
+        let height = against_body(scene, |coat| &coat.undercoat.height, c);
+        let hairs = count(c.undercoat_hairs);
+        text += &format!("undercoat    {hairs} hairs in {} subelements, {height}\n", count(c.subelements));
+    }
+    let uv = if c.has_uv { "with uv" } else { "without uv: maps repeat every 10 cm" };
+    text += &format!("mesh         {} triangles, {} vertices, {uv}\n", count(c.triangles), count(c.vertices));
+    let film = &scene.film;
+    let lights = count(c.lights);
+    text += &format!(
+        "picture      {} x {} pixels, {} samples each, {lights} lights\n",
+        film.width, film.height, film.spp
+    );
+    let rows = [
+        ("skin", b.skin),
+        ("guard hairs", b.strands),
+        ("undercoat", b.undercoat),
+        ("light", b.lattice),
+        ("maps", b.maps),
+    ];
+    let used = rows.iter().filter(|(_, bytes)| *bytes > 0);
+    let parts: Vec<_> = used.map(|(name, bytes)| format!("{name} {}", human_bytes(*bytes))).collect();
+    let total: u64 = rows.iter().map(|(_, bytes)| bytes).sum();
+    let budget = human_bytes(b.budget);
+    text += &format!("memory       {} of {budget} on the GPU: {}\n", human_bytes(total), parts.join(", "));
+    if total > b.budget {
+        text +=
+            "             over the budget: guard hairs are grown again for each tile, undercoat densities\n";
+        text += "             are evaluated while marching; slower, the same picture\n";
+    }
+    text
+}
+
+/// The time to expect, from a small picture.
+#[derive(Debug, Serialize)]
+struct Time {
+    adapter: String,
+    /// Preparation, which does not depend on the picture's size, s.
+    preparation: f64,
+    /// The whole picture, least and most, s.
+    total: [f64; 2],
+}
+
+/// Samples of the picture that is measured.
+const SAMPLES: f64 = 20_000.0;
+
+/// Renders a picture of about [`SAMPLES`] samples. The rest of the picture costs at most as much per
+/// sample, because passes over few samples are dominated by their start, and hardly less than a
+/// third of it.
+fn measure(world: &mut World) -> Result<Time> {
+    let whole = world.scene.film.clone();
+    let film = &mut world.scene.film;
+    let shrink = (SAMPLES / (f64::from(whole.width) * f64::from(whole.height))).sqrt().min(1.0);
+    let side = |pixels: u32| ((f64::from(pixels) * shrink).round() as u32).max(1);
+    (film.width, film.height, film.spp) = (side(whole.width), side(whole.height), 1);
+    let samples = |f: &pelage::scene::FilmSpec| f64::from(f.width) * f64::from(f.height) * f64::from(f.spp);
+    let ratio = samples(&whole) / samples(film);
+    let stats = render::render(world, &RenderOptions::default())?.stats;
+    world.scene.film = whole;
+    // Steps 4 to 7 run for every tile.
+    let tiles: f64 = stats.steps.iter().filter(|s| s.step >= 4).filter_map(|s| s.ms).sum::<f64>() / 1000.0;
+    let preparation = (stats.total_ms / 1000.0 - tiles).max(0.0);
+    let total = [0.8 * preparation + 0.3 * tiles * ratio, 1.3 * (preparation + tiles * ratio)];
+    Ok(Time { adapter: stats.adapter, preparation, total })
+}
+
+impl Time {
+    fn text(&self) -> String {
+        let [least, most] = self.total.map(human_time);
+        let preparation = human_time(self.preparation);
+        format!(
+            "time         {least} to {most} on {} ({preparation} of it before the first tile)\n",
+            self.adapter
+        )
     }
 }
 
-fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
-    let toml = toml::to_string(scene)
-        .map_err(|e| Error::Encoding(format!("the resolved scene cannot be written as TOML: {e}")))?;
-    let mut text = toml;
-    text += "\n# Expected counts\n";
-    text += &format!("# triangles    {} ({} vertices)\n", count(c.triangles), count(c.vertices));
-    text += &format!("# area         {:.1} cm²\n", c.area);
-    text += &format!("# extent       {:.2} x {:.2} x {:.2} cm\n", c.extent[0], c.extent[1], c.extent[2]);
-    text += &format!("# uv           {}\n", if c.has_uv { "yes" } else { "no: maps are sampled triplanar" });
-    text += &format!("# lights       {}\n", count(c.lights));
-    text += &format!("# strands      {} expected\n", count(c.strands));
-    text += &format!("# subelements  {}\n", count(c.subelements));
-    text += "\n# Estimated GPU memory\n";
-    let rows = [("skin", b.skin), ("strands", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
-    for (name, bytes) in rows {
-        text += &format!("# {name:<12} {}\n", human_bytes(bytes));
+fn human_time(seconds: f64) -> String {
+    match seconds {
+        s if s < 10.0 => format!("{s:.1} s"),
+        s if s < 120.0 => format!("{s:.0} s"),
+        s if s < 7200.0 => format!("{:.0} min", s / 60.0),
+        s => format!("{:.1} h", s / 3600.0),
     }
-    let fixed = b.skin + b.strands + b.undercoat + b.maps;
-    text += &format!("# total        {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
-    if fixed > b.budget {
-        text += "# over the budget: strands are generated in batches, undercoat densities are evaluated while marching\n";
-    }
-    Ok(text)
 }

@@ -9,24 +9,28 @@ use pelage::{Error, Result};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage compare image.exr reference.exr
+  pelage compare image.exr reference.exr -o error.png --error difference*10
+  pelage compare image.exr reference.exr --threshold-flip 0.05    exits with 1 above")]
 pub(super) struct CompareArgs {
-    /// Image (EXR, PNG or HDR)
+    /// Image (EXR, PNG, HDR, JPEG, TIFF, TGA, BMP or WebP)
     #[arg(value_name = "A")]
     a: PathBuf,
-    /// Reference image (EXR, PNG or HDR)
+    /// Reference image (EXR, PNG, HDR, JPEG, TIFF, TGA, BMP or WebP)
     #[arg(value_name = "B")]
     b: PathBuf,
     /// Write an error image, .png or .exr
     #[arg(long = "outfile", short = 'o', value_name = "FILE")]
     outfile: Option<PathBuf>,
-    /// Kind of the error image: flip, hdr-flip, difference or relative; the latter two also with
-    /// *FACTOR
+    /// Kind of the error image: flip, hdr-flip, difference or relative; the latter two also with a
+    /// factor, as in difference*10
     #[arg(long, value_name = "KIND", default_value = "flip", value_parser = error_kind)]
     error: ErrorImage,
     /// Exposure of both images in stops
     #[arg(long, value_name = "STOPS", default_value_t = 0.0, allow_negative_numbers = true, value_parser = args::stops)]
     exposure: f64,
-    /// Largest distance of the silhouette's pixels from the reference's outline
+    /// Largest distance of the silhouette's pixels from the reference's outline, in pixels
     #[arg(long, value_name = "PIXELS", default_value_t = 8.0, value_parser = args::threshold)]
     band: f64,
     /// Print JSON

@@ -7,6 +7,9 @@ use pelage::{Error, Result};
 use pelage_gpu::adapter::HELP;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage devices
+  WGPU_ADAPTER_NAME=llvmpipe pelage render scenes/default.toml -o fur.png    chooses one by its name")]
 pub(super) struct DevicesArgs {
     /// Print JSON
     #[arg(long)]

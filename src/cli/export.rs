@@ -6,7 +6,7 @@ use super::choice::choice;
 use super::output::{self, count, human_bytes};
 use clap::Args;
 use pelage::export::{self, EnvironmentAs, Target};
-use pelage::reference::{GrowOptions, grow};
+use pelage::reference::{GrowOptions, estimate, grow};
 use pelage::render::strands;
 use pelage::{Result, World};
 use pelage_core::files;
@@ -14,6 +14,9 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("what").required(true).multiple(true).args(["strands", "mesh", "to"]))]
+#[command(after_long_help = "Examples:
+  pelage export scenes/default.toml --to blender -o blender/
+  pelage export scenes/default.toml --strands guard.hair --mesh skin.obj")]
 pub(super) struct ExportArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -35,6 +38,9 @@ pub(super) struct ExportArgs {
     environment: EnvironmentAs,
 }
 
+/// Default limit of the main memory that the hairs of --to take, bytes.
+const MEMORY: u64 = 16 << 30;
+
 pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     args.strands.iter().chain(&args.mesh).try_for_each(|path| files::check_target(path))?;
@@ -42,7 +48,11 @@ pub(super) fn run(args: &ExportArgs, global: &Global) -> Result<()> {
     if let Some((target, folder)) = whole {
         export::check_folder(folder, target)?;
     }
-    let world = World::load(scene, &assets)?;
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, args.strands.is_some() || whole.is_some(), global.quiet)?;
+    if whole.is_some() {
+        estimate(&world, &GrowOptions::default())?.check(args.scene.memory.unwrap_or(MEMORY))?;
+    }
     let say = |text: String| if global.quiet { Ok(()) } else { output::print(&text) };
     if let Some(path) = &args.mesh {
         export::write_obj(&world.skin, path)?;

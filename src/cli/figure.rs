@@ -8,6 +8,10 @@ use std::path::PathBuf;
 
 #[derive(Debug, Args)]
 #[command(group = clap::ArgGroup::new("which").required(true).args(["names", "all", "list"]))]
+#[command(after_long_help = "Examples:
+  pelage figure --list
+  pelage figure fig8 --quick
+  pelage figure --all --quick --check")]
 pub(super) struct FigureArgs {
     /// Figures: folders of paper_figures/, or unique endings of their names (fig8)
     #[arg(value_name = "NAME")]
@@ -48,5 +52,5 @@ pub(super) fn run(args: &FigureArgs) -> Result<()> {
         check: args.check,
         bless: args.bless,
     };
-    figure::run(&options, interrupt::listen()?)
+    figure::run(&options, interrupt::flag())
 }

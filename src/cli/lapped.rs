@@ -13,9 +13,12 @@ use pelage_core::{files, mesh};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage lapped scenes/default.toml -o patches/
+  pelage lapped cat.obj --radius 1.5 -o patches/")]
 pub(super) struct LappedArgs {
-    /// Scene file, or a mesh (OBJ, glTF, GLB, PLY, STL) with default settings
-    #[arg(value_name = "SCENE.toml|MESH")]
+    /// Scene file, or a mesh with default settings
+    #[arg(value_name = "SCENE|MESH")]
     input: PathBuf,
     /// Folder for patches.obj, patches.png, field.png and lapped.json; created if it does not exist
     #[arg(long = "outfile", short = 'o', value_name = "FOLDER")]
@@ -26,7 +29,7 @@ pub(super) struct LappedArgs {
     /// Radius of a patch's outline in cm
     #[arg(long, value_name = "CM", help_heading = "Scene overrides")]
     radius: Option<f32>,
-    /// Irregularity of the outline, 0..0.9
+    /// Irregularity of the outline, from 0 (round) to 0.9
     #[arg(long, value_name = "PART", help_heading = "Scene overrides")]
     irregularity: Option<f32>,
     /// Source of the hair's direction field
@@ -54,7 +57,7 @@ pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
         ["patches.obj", "patches.png", "field.png", "lapped.json"].map(|name| folder.join(name));
     [&obj, &picture, &field, &json].into_iter().try_for_each(|path| files::check_target(path))?;
     let skin = mesh::load(&scene.mesh, &|name| assets.find(name))?;
-    output::print_notes(&skin, global.quiet);
+    output::print_notes(&skin.notes, global.quiet);
     let lapped = shells::lap(&skin, &scene)?;
     let statistics = lapped.statistics(&skin)?;
     shells::write_obj(&lapped, &skin, &obj)?;
@@ -75,20 +78,7 @@ pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
 
 impl LappedArgs {
     fn load(&self) -> Result<(Scene, Assets)> {
-        let overrides = self.overrides()?;
-        let extension = self.input.extension().unwrap_or_default();
-        let named = mesh::MeshKind::ALL.iter().any(|k| extension.eq_ignore_ascii_case(k.extension()));
-        let missing = named && !self.input.exists();
-        if mesh::kind_of(&self.input).is_none() && !missing {
-            return Scene::load_with(&self.input, &overrides);
-        }
-        // A scene of this mesh alone.
-        let name = self.input.display().to_string();
-        let assets = Assets::of_folder(Path::new("."));
-        assets.find(&name)?;
-        let text = format!("[mesh]\npath = {}\n", toml::Value::String(name.clone()));
-        let overrides: Vec<String> = overrides.iter().map(|o| format!("{}={}", o.path, o.value)).collect();
-        Ok((Scene::parse(&text, &name, &overrides)?, assets))
+        Scene::load_with(&self.input, &self.overrides()?)
     }
 
     /// `-D` in order, then the flags.

@@ -1,7 +1,10 @@
 //! Output to stdout, stderr and files.
 
-use pelage::{Error, Result, Skin};
+use pelage::film::Film;
+use pelage::render::Stats;
+use pelage::{Error, Result, World};
 use pelage_core::files;
+use pelage_fur::extent::{self, Extent};
 use serde::Serialize;
 use std::io::Write;
 use std::path::Path;
@@ -15,11 +18,69 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Prints the notes about a mesh to stderr, unless `quiet`.
-pub(super) fn print_notes(skin: &Skin, quiet: bool) {
-    if !quiet {
-        skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+/// Warns on stderr of what is missing in a picture because the adapter ended loops early.
+pub(super) fn warn_of_cuts(stats: &Stats) {
+    if stats.fragments_unread > 0 || stats.rays_cut > 0 {
+        eprintln!(
+            "warning: {} of {} fragments were not read, and {} rays not finished: the adapter {} ends loops \
+             of too many rounds. Parts of the fur are missing; use more samples per pixel (--spp), which \
+             makes the lists shorter, or fewer virtual fragments",
+            stats.fragments_unread, stats.fragments, stats.rays_cut, stats.adapter
+        );
     }
+}
+
+/// Prints notes to stderr, unless `quiet`.
+pub(super) fn print_notes(notes: &[String], quiet: bool) {
+    if !quiet {
+        let word = |note: &str| if note.starts_with("warning: ") { "" } else { "note: " };
+        notes.iter().for_each(|note| eprintln!("{}{note}", word(note)));
+    }
+}
+
+/// Checks that a world's fur is not absurdly large, and adds what looks like a mistake in its units
+/// or its view to its notes, which are printed unless `quiet`. `strands`: the guard hairs
+/// will grow one by one.
+///
+/// # Errors
+/// [`Error::Scene`] if there would be too many hairs.
+pub(super) fn admit(world: &mut World, strands: bool, quiet: bool) -> Result<()> {
+    let mut notes = Extent::of(world).check(strands)?;
+    notes.extend(extent::notes_of_view(world));
+    world.notes.append(&mut notes);
+    print_notes(&world.notes, quiet);
+    Ok(())
+}
+
+/// Prints why a finished picture, before its background, is empty or black, unless `quiet`.
+///
+/// # Errors
+/// [`Error::Unsupported`] if the film lacks a plane.
+pub(super) fn print_notes_of_film(film: &Film, world: &World, quiet: bool) -> Result<()> {
+    let pixels = film.premultiplied()?;
+    if quiet {
+        return Ok(());
+    }
+    if pixels.iter().all(|[.., a]| *a == 0.0) {
+        eprintln!(
+            "note: the picture is empty: no part of the skin or the fur is in it; see camera.eye, camera.target and \
+             --cropwindow"
+        );
+    } else if pixels.iter().all(|[r, g, b, _]| *r == 0.0 && *g == 0.0 && *b == 0.0) {
+        let light: f32 = world.lights.iter().map(|l| l.irradiance.element_sum()).sum();
+        let why = if light > 0.0 {
+            "no light reaches what is seen; see the directions of [[lights]], and base.color"
+        } else {
+            "there is no light; add [[lights]] or an [environment]"
+        };
+        eprintln!("note: the picture is black: {why}");
+    }
+    Ok(())
+}
+
+/// An exposure as text: `+1.25 stops`.
+pub(super) fn stops(exposure: f32) -> String {
+    format!("{exposure:+.2} stops")
 }
 
 /// A value as JSON; `name` is for the error.

@@ -8,14 +8,19 @@ use super::{Global, interrupt};
 use clap::{Args, ValueEnum};
 use glam::Vec3;
 use pelage::film::composite::Backdrop;
-use pelage::film::{Film, Metadata, io};
+use pelage::film::{Film, io};
 use pelage::reference::{self, GrowOptions, Identity, Integrator, LightModel, Options, Outcome, Patch};
 use pelage::render::Progress;
 use pelage::{Error, Result, Scene, World};
+use pelage_core::film::exposure;
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage reference scenes/cylinder.toml -o truth.exr --time 120
+  pelage reference scenes/cylinder.toml -o truth.exr --time 600 --resume    to go on
+  pelage reference scenes/cylinder.toml -o single.exr --integrator single")]
 pub(super) struct ReferenceArgs {
     #[command(flatten)]
     scene: SceneArgs,
@@ -23,13 +28,18 @@ pub(super) struct ReferenceArgs {
     /// variance, and can be resumed
     #[arg(long = "outfile", short = 'o', value_name = "FILE", required = true)]
     outfile: Vec<PathBuf>,
-    /// Light transport
+    /// How light is followed
     #[arg(long, value_parser = choice::<Integrator>(), default_value = "path")]
     integrator: Integrator,
     /// Lights: the renderer's directional lights (scene), or the environment itself (map) [default:
     /// scene for single, map for path]
     #[arg(long, value_parser = choice::<LightModel>())]
     lights: Option<LightModel>,
+    /// Choose the exposure of PNG output: the log-average luminance of the fur and the skin becomes
+    /// middle grey, 0.18, lowered where more than 1 % of them would exceed the highlights (1
+    /// without tone mapping, else 4)
+    #[arg(long, conflicts_with = "exposure")]
+    auto_exposure: bool,
     /// Stop after this time in seconds
     #[arg(long, value_name = "S", value_parser = above_zero)]
     time: Option<f64>,
@@ -40,7 +50,7 @@ pub(super) struct ReferenceArgs {
     /// Resume from the first EXR output file, if it exists
     #[arg(long)]
     resume: bool,
-    /// Trace only hairs with roots within R cm of a point
+    /// Trace only hairs with roots within R of the point X,Y,Z, all in cm
     #[arg(long, value_name = "X,Y,Z,R", value_parser = patch, allow_hyphen_values = true)]
     patch: Option<Patch>,
     /// Layers to trace
@@ -96,9 +106,8 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (scene, assets) = args.scene.load()?;
     let backdrop = Backdrop::load(&scene, &assets)?;
-    let cancel = interrupt::listen()?;
-    let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    let mut world = World::load(scene, &assets)?;
+    output::admit(&mut world, args.patch.is_none(), global.quiet)?;
     let limited = args.time.is_some() || args.error.is_some();
     let mut options = Options {
         integrator: args.integrator,
@@ -112,7 +121,7 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
         error: args.error,
         memory: args.scene.memory.unwrap_or(MEMORY),
         assets,
-        cancel: Some(cancel),
+        cancel: Some(interrupt::flag()),
         ..Options::default()
     };
     let identity = Identity::new(&world, &options);
@@ -124,25 +133,36 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
             options.start = Some(identity.read(path, [world.scene.film.width, world.scene.film.height])?);
         }
     }
-    let save = |film: Film, samples: u32| -> Result<()> {
+    let save = |film: Film, samples: u32, exposure: Option<f32>| -> Result<()> {
         let mut film = film;
         backdrop.under(&mut film)?;
-        let metadata = identity.metadata(samples);
-        args.outfile.iter().try_for_each(|path| write(&film, path, &metadata, &world.scene))
+        let mut metadata = identity.metadata(samples);
+        let mut spec = world.scene.film.clone();
+        if let Some(stops) = exposure {
+            spec.exposure = stops;
+            metadata = metadata.with("auto_exposure", output::stops(stops));
+        }
+        args.outfile.iter().try_for_each(|path| io::write(&film, path, &metadata, &spec))
     };
     let display = Display::new(global.progress, global.quiet);
     let mut written = Instant::now();
     let outcome = reference::render(&world, &options, &mut |progress| {
+        interrupt::partial(true);
         display.update(Progress { done: progress.done as f32, stage: "path tracing" });
         if written.elapsed() >= WRITE_EVERY {
-            save(progress.means.film(), progress.means.samples)?;
+            save(progress.means.film(), progress.means.samples, None)?;
             written = Instant::now();
         }
         Ok(())
     });
     display.finish();
     let outcome = outcome?;
-    save(outcome.film.clone(), outcome.samples)?;
+    let exposure = args.auto_exposure.then(|| exposure::automatic(&outcome.film, &world.scene.film));
+    let exposure = exposure.transpose()?;
+    save(outcome.film.clone(), outcome.samples, exposure)?;
+    if outcome.complete {
+        output::print_notes_of_film(&outcome.film, &world, global.quiet)?;
+    }
     if args.json {
         output::print_json(&serde_json::json!({
             "samples": outcome.samples,
@@ -152,7 +172,7 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
             "complete": outcome.complete,
         }))?;
     } else if !global.quiet {
-        output::print(&summary(args, &world.scene, &outcome))?;
+        output::print(&summary(args, &world.scene, &outcome, exposure))?;
     }
     if outcome.complete { Ok(()) } else { Err(Error::Interrupted) }
 }
@@ -161,14 +181,11 @@ fn is_exr(path: &Path) -> bool {
     path.extension().is_some_and(|e| e.eq_ignore_ascii_case("exr"))
 }
 
-fn write(film: &Film, path: &Path, metadata: &Metadata, scene: &Scene) -> Result<()> {
-    io::write(film, path, metadata, &scene.film)
-}
-
-fn summary(args: &ReferenceArgs, scene: &Scene, outcome: &Outcome) -> String {
+fn summary(args: &ReferenceArgs, scene: &Scene, outcome: &Outcome, exposure: Option<f32>) -> String {
     let files: Vec<_> = args.outfile.iter().map(|p| p.display().to_string()).collect();
+    let exposure = exposure.map_or(String::new(), |stops| format!("exposure   {}\n", output::stops(stops)));
     format!(
-        "{}: {} x {}, {} spp, {:.1} s\nerror      {:.3e} (relative mean squared, estimated from two halves)\nrays       {}, {:.2} million/s\n",
+        "{}: {} x {}, {} spp, {:.1} s\n{exposure}error      {:.3e} (relative mean squared, estimated from two halves)\nrays       {}, {:.2} million/s\n",
         files.join(", "),
         scene.film.width,
         scene.film.height,

@@ -9,6 +9,9 @@ use pelage_studies::validate::{self, Level};
 use std::path::PathBuf;
 
 #[derive(Debug, Args)]
+#[command(after_long_help = "Examples:
+  pelage validate --quick
+  pelage validate --only furnace -o out/furnace")]
 pub(super) struct ValidateArgs {
     /// Run a few minutes: fewer cases, smaller and noisier images
     #[arg(long, conflicts_with = "full")]
@@ -41,7 +44,7 @@ pub(super) fn run(args: &ValidateArgs, global: &Global) -> Result<()> {
         ..validate::Options::default()
     };
     let display = Display::new(global.progress, global.quiet);
-    let report = validate::run(&options, &|progress| display.update(progress), interrupt::listen()?);
+    let report = validate::run(&options, &|progress| display.update(progress), interrupt::flag());
     display.finish();
     let report = report?;
     if !global.quiet {

@@ -41,7 +41,14 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     let skin = skin
         .unwrap_or_else(|| pelage_core::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
     let lights = pelage_core::light::lights_of(&scene, &assets).expect("lights");
-    World { scene, skin, lights, maps: MapSet { images, notes: Vec::new() }, textures: None }
+    World {
+        scene,
+        skin,
+        lights,
+        maps: MapSet { images, notes: Vec::new() },
+        textures: None,
+        notes: Vec::new(),
+    }
 }
 
 /// An image map of a function of uv, read at the texels' centres.
@@ -49,7 +56,7 @@ pub fn image(name: &str, color: bool, side: u32, value: impl Fn(f32, f32) -> [f3
     let centre = |i: u32| (i as f32 + 0.5) / side as f32;
     let texels = (0..side).flat_map(|y| (0..side).map(move |x| (x, y)));
     let texels = texels.map(|(x, y)| value(centre(x), 1.0 - centre(y))).collect();
-    MapImage { name: name.into(), color, width: side, height: side, texels }
+    MapImage { name: name.into(), layer: String::new(), color, width: side, height: side, texels }
 }
 
 /// A skin of triangles as they are: nothing is welded, dropped or turned.
@@ -112,8 +119,14 @@ impl Deref for Fixture {
 impl Fixture {
     /// Runs steps 1 to 3.
     pub fn new(gpu: &'static Gpu, world: World) -> Self {
+        Self::with_features(gpu, world, false)
+    }
+
+    /// Runs steps 1 to 3 with kernels that make features if `features`.
+    pub fn with_features(gpu: &'static Gpu, world: World, features: bool) -> Self {
         let film = [world.scene.film.width, world.scene.film.height];
-        Self(Arc::new(PreparedWorld::new(gpu, world, film).expect("steps 1 to 3")))
+        let prepared = PreparedWorld::with_features(gpu, world, film, features);
+        Self(Arc::new(prepared.expect("steps 1 to 3")))
     }
 
     /// The first `count` elements of a buffer of the prepared world or of its strands.

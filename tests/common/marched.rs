@@ -20,7 +20,11 @@ impl Marched {
     /// The tile of `size` samples at `origin` of a film of `film` samples; skin and entries are
     /// drawn.
     pub fn new(gpu: &'static Gpu, world: World, film: [u32; 2], origin: [i32; 2], size: [u32; 2]) -> Self {
-        let fixture = Fixture::new(gpu, world);
+        Self::of(Fixture::new(gpu, world), film, origin, size)
+    }
+
+    /// A tile of a prepared world.
+    pub fn of(fixture: Fixture, film: [u32; 2], origin: [i32; 2], size: [u32; 2]) -> Self {
         let tile = fixture.tile(film, origin, size, 200 * u64::from(size[0] * size[1]));
         tile.draw_base().expect("step 4");
         tile.draw_entries().expect("entries");
@@ -55,7 +59,8 @@ impl Marched {
 
     /// Rays given up, and the longest list.
     pub fn counts(&self) -> [u32; 2] {
-        self.tile.counters().expect("counters")
+        let counts = self.tile.counters().expect("counters");
+        [counts.rays_lost as u32, counts.longest as u32]
     }
 
     /// The fragments of each sample, sorted.

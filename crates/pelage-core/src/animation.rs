@@ -1,6 +1,6 @@
 //! Evaluates the scene's `[animation]` at a frame.
 
-use crate::scene::{Camera, Motion, Scene};
+use crate::scene::{Animation, Camera, FurLayers, Motion, Scene};
 use glam::{Quat, Vec3};
 use std::f64::consts::TAU;
 
@@ -36,6 +36,15 @@ pub fn at(scene: &Scene, frame: u32) -> FrameState {
     camera.eye = (turned - moved).into();
     camera.target = (target - moved).into();
     FrameState { frame, time, camera }
+}
+
+/// Whether frames differ: the camera turns, the object swings, or the hair of shells waves in gusts.
+pub fn moves(scene: &Scene) -> bool {
+    let Animation { turntable, motion, .. } = &scene.animation;
+    let dynamics = &scene.shells.dynamics;
+    let gusts = scene.render.fur == FurLayers::Shells
+        && Vec3::from(dynamics.wind).length() * dynamics.gust * dynamics.gust_frequency > 0.0;
+    *turntable != 0.0 || motion.amplitude * motion.frequency != 0.0 || gusts
 }
 
 /// Displacement of the object at `time` (s) from its place, cm.

@@ -5,7 +5,39 @@ use std::{
     fs::File,
     io::{BufWriter, Write},
     path::{Path, PathBuf},
+    sync::{Mutex, MutexGuard, PoisonError},
 };
+
+/// Temporary files that exist now.
+static TEMPORARIES: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+fn temporaries() -> MutexGuard<'static, Vec<PathBuf>> {
+    TEMPORARIES.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Removes the files that are being written, for a process that is about to end; what they were to
+/// replace stays.
+pub fn remove_temporaries() {
+    for path in temporaries().drain(..) {
+        // It may have been renamed just now: then the file is complete.
+        let _ = std::fs::remove_file(path);
+    }
+}
+
+/// A temporary file that [`remove_temporaries`] knows while it exists.
+struct Temporary {
+    file: tempfile::NamedTempFile,
+    _listed: Listed,
+}
+
+/// The entry of a temporary file in the list; removed when dropped.
+struct Listed(PathBuf);
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        temporaries().retain(|path| *path != self.0);
+    }
+}
 
 /// What an encoder or decoder reports; the caller adds the file.
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
@@ -18,7 +50,7 @@ pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 /// [`Error::Io`] with the file and the reason.
 pub fn check_target(path: &Path) -> Result<()> {
     let target = resolved(path)?;
-    let mut file = temporary(&target).map_err(|e| Error::io(path, e))?;
+    let Temporary { mut file, _listed } = temporary(&target).map_err(|e| Error::io(path, e))?;
     // A full disk may still take an empty file, but not 64 KiB.
     file.write_all(&[0; 1 << 16])
         .and_then(|()| file.as_file().sync_all())
@@ -36,7 +68,7 @@ where
 {
     let target = resolved(path)?;
     let fail = |e: &dyn std::fmt::Display| Error::io(path, format!("cannot be written: {e}"));
-    let mut file = temporary(&target).map_err(|e| fail(&e))?;
+    let Temporary { mut file, _listed } = temporary(&target).map_err(|e| fail(&e))?;
     write(file.as_file_mut()).map_err(|e| fail(&e))?;
     file.as_file().sync_all().map_err(|e| fail(&e))?;
     file.persist(&target).map_err(|e| fail(&e.error))?;
@@ -96,12 +128,15 @@ fn folder_of(path: &Path) -> &Path {
 }
 
 /// A unique temporary beside `target`, removed when dropped.
-fn temporary(target: &Path) -> std::io::Result<tempfile::NamedTempFile> {
+fn temporary(target: &Path) -> std::io::Result<Temporary> {
     let mut builder = tempfile::Builder::new();
     builder.prefix(".pelage-").suffix(".part");
     // By default tempfile makes files private to the user; here the umask decides, as for any other
     // output.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
-    builder.tempfile_in(folder_of(target))
+    let file = builder.tempfile_in(folder_of(target))?;
+    let path = file.path().to_owned();
+    temporaries().push(path.clone());
+    Ok(Temporary { file, _listed: Listed(path) })
 }

@@ -1,18 +1,22 @@
 //! The film: the finished image as named planes, and its processing after rendering.
 //!
 //! [`filter`] gives the weights with which samples become pixels, [`depth_of_field`] and
-//! [`composite`] change the film, and [`io`] writes and reads it (through [`exr`], [`png`] and
-//! [`tonemap`]) with its [`metadata`].
+//! [`composite`] change the film, [`cryptomatte`] adds mattes, and [`io`] writes and reads it
+//! (through [`exr`], [`png`] and [`tonemap`]) with its [`metadata`]; [`tev`] shows it.
 
 pub mod composite;
+pub mod cryptomatte;
 pub mod depth_of_field;
+pub mod exposure;
 pub mod exr;
 pub mod filter;
+mod formats;
 pub mod io;
 mod limits;
 pub mod metadata;
 pub mod png;
 pub mod resample;
+pub mod tev;
 pub mod tonemap;
 
 pub use metadata::Metadata;
@@ -23,8 +27,8 @@ use crate::{Error, Result};
 ///
 /// `R G B` are linear and premultiplied by `A`; the others are named as pbrt's film and Blender
 /// name theirs: `guard.R`, `undercoat.R`, `base.R` (premultiplied contributions that add up to
-/// `R G B`), `depth.Z` (cm along the viewing direction, infinity where there is nothing), `N.X`,
-/// `transmittance.Y`, `fragments.Y`.
+/// `R G B`), `depth.Z` (cm along the viewing direction, infinity where there is nothing),
+/// `Albedo.R`, `N.X`, `P.X`, `Tangent.X`, `transmittance.Y`, `fragments.Y`.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Film {
     /// Width, pixels.

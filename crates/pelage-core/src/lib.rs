@@ -8,11 +8,13 @@ pub mod files;
 pub mod film;
 pub mod hair;
 pub mod light;
+mod map_detail;
 pub mod maps;
 pub mod mesh;
 pub mod parts;
 pub mod scene;
 pub mod skin;
+pub mod stage;
 pub mod stats;
 pub mod world;
 

@@ -8,6 +8,9 @@ use crate::{Error, Result, Scene, SceneFault};
 use environment::{Panorama, map_from_world, median_cut, uniform_sky};
 use glam::Vec3;
 
+/// Largest number of directional lights of a scene, those of its environment included.
+pub const MAX_LIGHTS: usize = 64;
+
 /// Largest number of directional lights made from an environment map.
 pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
 
@@ -29,7 +32,7 @@ pub struct Light {
 ///
 /// # Errors
 /// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not
-/// finite, a number of environment lights outside 1..=64, and a map that is missing or damaged.
+/// finite, a number of environment lights outside 1..=64, more than [`MAX_LIGHTS`] lights, and a map that is missing or damaged.
 /// Faults of values come all together.
 pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     let mut faults = Vec::new();
@@ -75,6 +78,16 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
             );
         }
     }
+    let (given, made) = asked(scene);
+    if given.saturating_add(made) > MAX_LIGHTS && made <= MAX_ENVIRONMENT_LIGHTS as usize {
+        faults.push(SceneFault {
+            file: "lights".into(),
+            line: 0,
+            column: 0,
+            message: too_many(given, made),
+            help: None,
+        });
+    }
     if !faults.is_empty() {
         return Err(Error::Scene(faults));
     }
@@ -85,13 +98,26 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     Ok(lights)
 }
 
+/// Numbers of the lights that `scene` gives and of those that its environment is converted to.
+pub(crate) fn asked(scene: &Scene) -> (usize, usize) {
+    (scene.lights.len(), scene.environment.as_ref().map_or(0, |e| e.lights as usize))
+}
+
+/// The message for more lights than [`MAX_LIGHTS`].
+pub(crate) fn too_many(given: usize, made: usize) -> String {
+    let total = given.saturating_add(made);
+    format!(
+        "lights: found {given} lights and environment.lights = {made}, together {total}, expected at most {MAX_LIGHTS}"
+    )
+}
+
 /// The environment as directional lights in world space.
 fn environment_lights(environment: &Environment, assets: &Assets) -> Result<Vec<Light>> {
     let factor = Vec3::from(environment.tint) * environment.intensity;
     if environment.map.is_empty() {
         return Ok(uniform_sky(factor, environment.lights));
     }
-    let panorama = Panorama::load(&assets.find(&environment.map)?)?;
+    let panorama = Panorama::load(&assets.find(&environment.map)?, &environment.layer)?;
     let world_from_map = map_from_world(environment.rotate).inverse();
     Ok(median_cut(&panorama, environment.lights)
         .into_iter()

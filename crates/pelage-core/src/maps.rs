@@ -30,7 +30,9 @@ pub struct MapSet {
 pub struct MapImage {
     /// File name as in the scene.
     pub name: String,
-    /// Whether it is read as a colour: a PNG is then decoded from sRGB to linear. Scalars are read
+    /// Layer of an EXR image; empty for the default one.
+    pub layer: String,
+    /// Whether it is read as a colour: a format of integers is then decoded from sRGB to linear. Scalars are read
     /// as the file has them.
     pub color: bool,
     /// Width, texels.
@@ -42,18 +44,18 @@ pub struct MapImage {
 }
 
 impl MapSet {
-    /// Loads every map that `scene` names: PNG, HDR or EXR.
+    /// Loads every map that `scene` names, in any format that [`io::read`] takes.
     ///
     /// # Errors
     /// [`Error::Scene`] with all images that are missing or unreadable, each by name.
     pub fn load(scene: &Scene, assets: &Assets) -> Result<Self> {
         let mut set = Self::default();
         let mut faults = Vec::new();
-        for (name, color) in maps_of(scene) {
-            if set.index_of(name, color).is_some() {
+        for (name, layer, color) in maps_of(scene) {
+            if set.index_of(name, layer, color).is_some() {
                 continue;
             }
-            match assets.find(name).and_then(|path| load_image(&path, name, color, &mut set.notes)) {
+            match assets.find(name).and_then(|path| load_image(&path, [name, layer], color, &mut set.notes)) {
                 Ok(image) => set.images.push(image),
                 Err(Error::Scene(mut found)) => {
                     // A file may be read both as a colour and as a scalar: one message is enough.
@@ -66,50 +68,52 @@ impl MapSet {
         if faults.is_empty() { Ok(set) } else { Err(Error::Scene(faults)) }
     }
 
-    /// Index in `images` of the map called `name`, read as a colour or as a scalar.
-    pub fn index_of(&self, name: &str, color: bool) -> Option<usize> {
-        self.images.iter().position(|image| image.name == name && image.color == color)
+    /// Index in `images` of `layer` of the map called `name`, read as a colour or as a scalar.
+    pub fn index_of(&self, name: &str, layer: &str, color: bool) -> Option<usize> {
+        self.images.iter().position(|i| i.name == name && i.layer == layer && i.color == color)
     }
 }
 
 /// Whether a parameter of the groom is read from the vertex colours.
 pub fn uses_vertex_color(scene: &Scene) -> bool {
-    names_of(scene).iter().any(|(name, _)| *name == VERTEX_COLOR)
+    names_of(scene).iter().any(|(name, ..)| *name == VERTEX_COLOR)
 }
 
-/// The images that the groom names, with repetitions, and whether each is read as a colour.
-fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
+/// The images that the groom names and their layers, with repetitions, and whether each is read as
+/// a colour.
+fn maps_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
     let mut maps = names_of(scene);
-    maps.retain(|(name, _)| *name != VERTEX_COLOR);
+    maps.retain(|(name, ..)| *name != VERTEX_COLOR);
     maps
 }
 
 /// As [`maps_of`], with vertex colours.
-fn names_of(scene: &Scene) -> Vec<(&str, bool)> {
+fn names_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
     let mut maps = maps_of_coat(&scene.own_coat());
     if let Scalar::Mapped(m) = &scene.shells.length {
-        maps.push((m.map.as_str(), false));
+        maps.push((m.map.as_str(), m.layer.as_str(), false));
     }
     if let Color::Mapped(m) = &scene.shells.color {
-        maps.push((m.map.as_str(), true));
+        maps.push((m.map.as_str(), m.layer.as_str(), true));
     }
     maps.extend(scene.parts.iter().flat_map(|part| maps_of_part(scene, part)));
     maps
 }
 
 /// The images of a part: its mask, and those of its coat.
-fn maps_of_part<'a>(scene: &'a Scene, part: &'a Part) -> Vec<(&'a str, bool)> {
-    let mut maps: Vec<_> = part.mask.iter().map(|mask| (mask.map.as_str(), false)).collect();
+fn maps_of_part<'a>(scene: &'a Scene, part: &'a Part) -> Vec<(&'a str, &'a str, bool)> {
+    let mut maps: Vec<_> =
+        part.mask.iter().map(|mask| (mask.map.as_str(), mask.layer.as_str(), false)).collect();
     if let Some(coat) = scene.coat_of(part) {
         maps.extend(maps_of_coat(&coat));
     } else if let Some(Color::Mapped(m)) = part.base.as_ref().map(|base| &base.color) {
-        maps.push((m.map.as_str(), true));
+        maps.push((m.map.as_str(), m.layer.as_str(), true));
     }
     maps
 }
 
 /// The images of a coat, scalars first.
-fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, bool)> {
+fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, &'a str, bool)> {
     let (guard, undercoat) = (coat.guard, coat.undercoat);
     let scalars = [
         &guard.density,
@@ -125,20 +129,25 @@ fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, bool)> {
     let colors =
         [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &coat.base.color];
     let scalars = scalars.into_iter().filter_map(|s| match s {
-        Scalar::Mapped(m) => Some((m.map.as_str(), false)),
+        Scalar::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), false)),
         Scalar::Constant(_) => None,
     });
     let colors = colors.into_iter().filter_map(|c| match c {
-        Color::Mapped(m) => Some((m.map.as_str(), true)),
+        Color::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), true)),
         Color::Constant(_) => None,
     });
     scalars.chain(colors).collect()
 }
 
 /// Reads one image, replaces values that are not finite by 0, and reduces it to [`MAX_SIDE`].
-fn load_image(path: &Path, name: &str, color: bool, notes: &mut Vec<String>) -> Result<MapImage> {
-    let (width, height, texels) = io::read_texels(path, color)?;
-    let mut image = MapImage { name: name.to_owned(), color, width, height, texels };
+fn load_image(
+    path: &Path,
+    [name, layer]: [&str; 2],
+    color: bool,
+    notes: &mut Vec<String>,
+) -> Result<MapImage> {
+    let (width, height, texels) = io::read_texels(path, layer, color)?;
+    let mut image = MapImage { name: name.to_owned(), layer: layer.to_owned(), color, width, height, texels };
     let mut bad = 0;
     for v in image.texels.iter_mut().flatten().filter(|v| !v.is_finite()) {
         *v = 0.0;
@@ -202,7 +211,7 @@ impl MapImage {
                 texels.push(sum.to_array());
             }
         }
-        Self { name: self.name.clone(), width, height, texels, ..*self }
+        Self { name: self.name.clone(), layer: self.layer.clone(), color: self.color, width, height, texels }
     }
 }
 

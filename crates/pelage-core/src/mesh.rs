@@ -13,11 +13,11 @@ mod read;
 mod repair;
 pub mod shapes;
 pub mod stl;
+mod subdivide;
 pub mod topology;
 mod up;
 mod write;
 
-pub(crate) use kind::kind_of_head as kind_of_content;
 pub use kind::{MeshKind, kind_of};
 pub use read::{Limits, read};
 pub use repair::smoothed_normals;
@@ -93,8 +93,8 @@ pub fn skin_of(mesh: Mesh) -> Skin {
     repair::repair(mesh).0
 }
 
-/// Reads or builds the mesh that `spec` names, transforms it to world space (cm, +y up) and makes it
-/// a skin. `find` resolves an asset name to a path.
+/// Reads or builds the mesh that `spec` names, transforms it to world space (cm, +y up) and makes
+/// it a skin. `find` resolves an asset name to a path.
 ///
 /// A file without `size`, `scale` and `units` keeps its own unit if it states one that makes
 /// sense, and is made 30 cm long otherwise; a note says so.
@@ -147,7 +147,12 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
             format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
-    place::place(&mut skin, spec, &source).map_err(|message| Error::fault(name, message))?;
+    let placed =
+        place::place(&mut skin, spec, &source).and_then(|()| subdivide::check(&skin, spec.subdivide));
+    placed.map_err(|message| Error::fault(name, message))?;
+    for _ in 0..spec.subdivide {
+        skin = subdivide::divided(&skin);
+    }
     Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 

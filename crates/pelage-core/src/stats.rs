@@ -37,6 +37,13 @@ pub struct Stats {
     pub fragments_max: u64,
     /// Fragments that were dropped: always 0, otherwise the rendering fails.
     pub fragments_dropped: u64,
+    /// Fragments that were stored but not read: the adapter ended the loops before the lists did.
+    /// They are missing in the picture; more samples per pixel make the lists shorter.
+    pub fragments_unread: u64,
+    /// Rays whose loops the adapter ended before the march or the list did.
+    pub rays_cut: u64,
+    /// Marches towards a light that ended at their last step, with the optical depth so far.
+    pub light_paths_cut: u64,
     /// Rays that at some step lost their place in the prism shell: the limit of hops was reached
     /// where it folds.
     pub rays_lost: u64,

@@ -3,12 +3,12 @@
 use crate::assets::Assets;
 use crate::light::Light;
 use crate::maps::{self, MapSet, VERTEX_COLOR};
-use crate::{Result, Scene, Skin};
+use crate::{Result, Scene, Skin, stage};
 
 /// A scene with its assets.
 #[derive(Debug, Clone)]
 pub struct World {
-    /// The scene file's content.
+    /// The scene file's content, with the camera and the lights that were chosen for it.
     pub scene: Scene,
     /// The skin.
     pub skin: Skin,
@@ -18,15 +18,17 @@ pub struct World {
     pub maps: MapSet,
     /// Manifest of the textures that the scene names for its shells.
     pub textures: Option<std::path::PathBuf>,
+    /// What loading repaired, noticed or chose, to be reported to the user.
+    pub notes: Vec<String>,
 }
 
 impl World {
-    /// Loads the files that `scene` names.
+    /// Loads the files that `scene` names, and completes its camera and light where it gives none.
     ///
     /// # Errors
     /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no
     /// sense; [`crate::Error::Io`] where a mesh cannot be read.
-    pub fn load(scene: Scene, assets: &Assets) -> Result<Self> {
+    pub fn load(mut scene: Scene, assets: &Assets) -> Result<Self> {
         let mut skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         if !skin.colored && maps::uses_vertex_color(&scene) {
             let name = match (&scene.mesh.path, scene.mesh.shape) {
@@ -39,9 +41,13 @@ impl World {
         }
         crate::parts::check(&scene, &skin)?;
         skin.notes.extend(crate::parts::notes(&scene));
+        let mut notes = skin.notes.clone();
+        notes.extend(stage::complete(&mut scene, &skin));
         let lights = crate::light::lights_of(&scene, assets)?;
         let maps = MapSet::load(&scene, assets)?;
+        notes.extend(maps.notes.iter().cloned());
+        notes.extend(crate::map_detail::notes(&scene, &skin, &maps));
         let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;
-        Ok(Self { scene, skin, lights, maps, textures })
+        Ok(Self { scene, skin, lights, maps, textures, notes })
     }
 }

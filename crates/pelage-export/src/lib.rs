@@ -195,13 +195,14 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     if map.map == pelage_core::maps::VERTEX_COLOR {
         return skin.colors.iter().map(|c| clamped(*c)).collect();
     }
-    let Some(index) = world.maps.index_of(&map.map, true) else {
+    let Some(index) = world.maps.index_of(&map.map, &map.layer, true) else {
         return vec![clamped(Vec3::ONE)];
     };
     let image = &world.maps.images[index];
     let texel = |[r, g, b, _]: [f32; 4]| clamped(Vec3::new(r, g, b));
     if skin.corner_uv.is_none() {
-        let at = |i: usize| texel(image.triplanar(skin.positions[i], skin.normals[i], 1.0));
+        let origin = Vec3::from(world.scene.mesh.translate);
+        let at = |i: usize| texel(image.triplanar(skin.positions[i] - origin, skin.normals[i], 1.0));
         return (0..skin.positions.len()).map(at).collect();
     }
     let uv = pelage_fur::surface::vertex_uv(skin);

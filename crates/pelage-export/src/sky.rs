@@ -33,7 +33,7 @@ impl Sky {
         if spec.map.is_empty() {
             return Ok(Self::Uniform(factor));
         }
-        let mut panorama = Panorama::load(&assets.find(&spec.map)?)?;
+        let mut panorama = Panorama::load(&assets.find(&spec.map)?, &spec.layer)?;
         for texel in &mut panorama.texels {
             *texel = (Vec3::from(*texel) * factor).into();
         }

@@ -7,6 +7,9 @@ use pelage_core::scene::Camera;
 /// The march of each sample starts at a random phase of its own.
 pub const FLAG_MARCH_JITTER: u32 = 1;
 
+/// The lists of fragments are linked in order of depth.
+pub const FLAG_SORTED_LISTS: u32 = 2;
+
 /// The frame globals of `camera` for a film of `film` samples. The tile is the whole film until the
 /// caller sets another.
 ///

@@ -149,6 +149,8 @@ pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 
         vertex_rows: 3 * world.skin.triangles.len() as u32,
         count,
         padding: 0,
+        origin: scene.mesh.translate,
+        more_padding: 0,
         coats: std::array::from_fn(|i| coats[i]),
     };
     (groom, texels)
@@ -196,6 +198,8 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
         },
         density: density.max(1e-6),
         attenuation: scene.render.simplified_attenuation,
+        origin: scene.mesh.translate,
+        padding: 0,
     };
     let (guard_fibre, undercoat_fibre) = (Fibre::guard(scene), Fibre::undercoat(scene));
     let table_bases = [&guard_fibre, &undercoat_fibre].map(|fibre| {

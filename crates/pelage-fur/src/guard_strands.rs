@@ -91,7 +91,8 @@ pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
 
 /// The strand with this seed that grows at a point of the skin.
 pub fn strand_at_point(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> Strand {
-    strand_at(maps, at, sides(at.normal), seed, |density| to_clump(maps.groom, density, at.position))
+    let place = at.position - Vec3::from(maps.groom.origin);
+    strand_at(maps, at, sides(at.normal), seed, |density| to_clump(maps.groom, density, place))
 }
 
 /// The strand with this seed that grows at a point of the skin. `sides` are those of its normal,

@@ -7,6 +7,10 @@ use crate::random::{even_barycentric, hash2, r2, random};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3};
 
+/// Candidates of a part of a triangle, which one invocation of the pass draws. Each part has its
+/// own seed for places and thinning.
+pub const PART: u32 = 16384;
+
 /// Generates the roots of a skin.
 #[derive(Clone, Copy)]
 pub struct Roots<'a> {
@@ -32,19 +36,25 @@ impl Roots<'_> {
         (self.expected(prism) + random(hash2(self.seed, prism), 0)) as u32
     }
 
+    /// Seed of the part of the k-th candidate. The first part has that of the triangle.
+    fn part_seed(&self, prism: u32, k: u32) -> u32 {
+        let seed = hash2(self.seed, prism);
+        if k < PART { seed } else { hash2(!seed, k / PART) }
+    }
+
     /// Barycentric coordinates of the k-th candidate, evenly distributed over the triangle.
     // [Roberts2018], [Turk1990]
     pub fn candidate(&self, prism: u32, k: u32) -> Vec3 {
-        let seed = hash2(self.seed, prism);
+        let seed = self.part_seed(prism, k);
         let start = Vec2::new(random(seed, 1), random(seed, 2));
-        even_barycentric(r2(start, k))
+        even_barycentric(r2(start, k % PART))
     }
 
     /// Whether the k-th candidate survives thinning by the density map.
     pub fn grows(&self, prism: u32, k: u32) -> bool {
         let at = skin_point(self.shell, prism, self.candidate(prism, k));
         let wanted = self.maps.scalar(Parameter::GuardDensity, &at);
-        random(hash2(self.seed, prism), 3 + k) * self.density < wanted
+        random(self.part_seed(prism, k), 3 + k % PART) * self.density < wanted
     }
 
     /// The roots on a triangle.

@@ -6,7 +6,7 @@
 use bytemuck::{Pod, Zeroable};
 
 /// Largest number of directional lights.
-pub const MAX_LIGHTS: usize = 64;
+pub const MAX_LIGHTS: usize = pelage_core::light::MAX_LIGHTS;
 
 /// Parameters that maps may vary.
 pub const PARAMETERS: usize = 17;
@@ -15,10 +15,14 @@ pub const MAX_COATS: usize = 16;
 
 /// Words of a node of the fragment lists (`shared/oit.wgsl`): link, depth, kind and id, colour.
 pub const NODE_WORDS: u32 = 5;
+/// Further words of a node with features: albedo, tangent.
+pub const NODE_FEATURE_WORDS: u32 = 2;
 /// Words of a record of the skin under a sample (`shared/base.wgsl`): depth, radiance, normal.
 pub const BASE_WORDS: u32 = 4;
 /// Words of a sample of the film (`shared/film_sample.wgsl`).
 pub const SAMPLE_WORDS: u32 = 8;
+/// Further words of a sample with features: albedo, normal, tangent, coverages.
+pub const SAMPLE_FEATURE_WORDS: u32 = 8;
 
 macro_rules! shared {
     ($($(#[$doc:meta])* struct $name:ident { $($field:ident: $ty:ty),* $(,)? })*) => {
@@ -100,6 +104,8 @@ shared! {
         virtual_fragments: u32,
         density: f32,
         attenuation: f32,
+        origin: [f32; 3],
+        padding: u32,
     }
     /// `shared/undercoat_types.wgsl`: derived from the skin and the memory budget.
     struct LatticeParameters {
@@ -177,6 +183,8 @@ shared! {
         vertex_rows: u32,
         count: u32,
         padding: u32,
+        origin: [f32; 3],
+        more_padding: u32,
         coats: [Coat; MAX_COATS],
     }
     /// `shared/lights.wgsl`
@@ -315,6 +323,9 @@ shared! {
         count: u32,
         density: f32,
         seed: u32,
+        parts: u32,
+        padding: u32,
+        more_padding: [u32; 2],
     }
     /// `guard_bins.wgsl`: a grid of tiles, in samples.
     struct TileGrid {
@@ -346,6 +357,10 @@ shared! {
     /// `undercoat_light.wgsl`: the level of nodes that a dispatch works on.
     struct Sweep {
         level: u32,
+    }
+    /// `resolve.wgsl`: length of the sorted runs that a dispatch merges.
+    struct SortRun {
+        length: u32,
     }
     /// `shared/lights.wgsl`
     struct Lights {

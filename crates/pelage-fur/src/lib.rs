@@ -3,6 +3,7 @@
 
 pub mod arithmetic;
 pub mod camera;
+pub mod extent;
 pub mod fibre;
 pub mod groom;
 pub mod guard_strands;

@@ -21,3 +21,9 @@ pub fn decode(e: Vec2) -> Vec3 {
     let fold = (-z).max(0.0);
     Vec3::new(e.x - sign(e.x) * fold, e.y - sign(e.y) * fold, z).normalize()
 }
+
+/// Unpacks a direction from one word: two signed normalised 16-bit numbers.
+pub fn unpack(word: u32) -> Vec3 {
+    let snorm = |half: u32| (f32::from(half as u16 as i16) / 32767.0).max(-1.0);
+    decode(Vec2::new(snorm(word), snorm(word >> 16)))
+}

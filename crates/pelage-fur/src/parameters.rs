@@ -199,7 +199,7 @@ impl Maps<'_> {
         match self.groom.coats[coat].parameters[parameter as usize].source {
             1 => at.color,
             2 => self.bilinear(coat, parameter, at.uv),
-            3 => self.triplanar(coat, parameter, at.position, at.normal),
+            3 => self.triplanar(coat, parameter, at.position - Vec3::from(self.groom.origin), at.normal),
             _ => Vec4::ONE,
         }
     }

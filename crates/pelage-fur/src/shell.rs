@@ -184,6 +184,13 @@ impl Place {
         self.v0 + lambda.y * self.w1 + lambda.z * self.w2
     }
 
+    /// Direction of that vector, unit; the triangle's normal where the shell has no height.
+    #[inline]
+    pub fn direction(&self, lambda: Vec3) -> Vec3 {
+        let v = self.extrusion(lambda);
+        if v.length_squared() > 0.0 { v.normalize() } else { self.e1.cross(self.e2).normalize_or(Vec3::Y) }
+    }
+
     /// Density at height `t` of hairs with unit direction `tangent`, relative to that at the skin:
     /// the area of the layer differs from the skin's, and hairs that lean pass through a smaller
     /// projected area.

@@ -183,14 +183,14 @@ impl Undercoat<'_> {
     }
 
     /// Point of the noise's domain at barycentric coordinates `l` of the place's prism: a point of
-    /// the skin (cm) or its uv.
+    /// the skin relative to the mesh's translation (cm) or its uv.
     #[inline]
     pub fn domain_point(&self, place: &Place, l: Vec3) -> Vec3 {
         if self.parameters.noise_domain == 1 {
             let uv = |k: u32| Vec2::from(self.shell.corner_uv[(3 * place.prism + k) as usize]);
             (l.x * uv(0) + l.y * uv(1) + l.z * uv(2)).extend(0.0)
         } else {
-            place.point(0.0, l)
+            place.point(0.0, l) - Vec3::from(self.parameters.origin)
         }
     }
 
@@ -198,7 +198,7 @@ impl Undercoat<'_> {
     pub fn subelement(&self, place: &Place, layer: u32, id: u32) -> Medium {
         let l = subelement_centroid(id, place.subdivision);
         let t = (layer as f32 + 0.5) / self.parameters.layers as f32;
-        let normal = place.extrusion(l).normalize();
+        let normal = place.direction(l);
         let id = hash2(place.prism, (layer << 16) | id);
         let medium = self.evaluate(self.domain_point(place, l), normal, t, id);
         Medium { density: medium.density * place.crowding(t, medium.tangent), ..medium }

@@ -26,13 +26,20 @@ pub struct AdapterSummary {
 pub const HELP: &str = "install a Vulkan driver; without a GPU, Mesa's software adapter will do \
                     (Debian and Ubuntu: mesa-vulkan-drivers, Fedora: mesa-vulkan-drivers, Arch: vulkan-swrast)";
 
+/// The backends that are tried: those in WGPU_BACKEND, or the primary ones.
+fn backends() -> wgpu::Backends {
+    wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY)
+}
+
+/// An instance of these backends only: OpenGL is not opened unless it is asked for.
 fn instance() -> wgpu::Instance {
-    wgpu::Instance::new(wgpu::InstanceDescriptor::new_without_display_handle_from_env())
+    let mut descriptor = wgpu::InstanceDescriptor::new_without_display_handle_from_env();
+    descriptor.backends = backends();
+    wgpu::Instance::new(descriptor)
 }
 
 fn all(instance: &wgpu::Instance) -> Vec<wgpu::Adapter> {
-    let backends = wgpu::Backends::from_env().unwrap_or(wgpu::Backends::PRIMARY);
-    pollster::block_on(instance.enumerate_adapters(backends))
+    pollster::block_on(instance.enumerate_adapters(backends()))
 }
 
 fn driver(info: &wgpu::AdapterInfo) -> String {

@@ -2,12 +2,14 @@
 //! recordings. It knows no pass.
 
 pub mod adapter;
+mod cancel;
 pub mod kernel;
 pub mod memory;
 pub mod recorder;
 pub mod shader;
 
 pub use adapter::{AdapterSummary, list_adapters};
+pub use cancel::end_waits_by;
 pub use kernel::{Kernel, RasterKernel, Resource, Scope};
 pub use memory::{Buffer, Buffers, Ledger};
 pub use recorder::Recorder;
@@ -248,11 +250,18 @@ impl Gpu {
     /// Waits until all submitted work is done.
     ///
     /// # Errors
-    /// [`Error::DeviceLost`] if the device is lost meanwhile; else as [`Gpu::check`].
+    /// [`Error::Interrupted`] if the flag of [`end_waits_by`] is set meanwhile: the work then goes
+    /// on unobserved. [`Error::DeviceLost`] if the device is lost; else as [`Gpu::check`].
     pub fn wait(&self, during: &str) -> Result<()> {
-        self.device
-            .poll(wgpu::PollType::wait_indefinitely())
-            .map_err(|e| Error::DeviceLost { during: during.into(), reason: e.to_string() })?;
-        self.check(during)
+        /// Time between two looks at the flag.
+        const SLICE: std::time::Duration = std::time::Duration::from_millis(100);
+        loop {
+            match self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(SLICE) }) {
+                Ok(_) => return self.check(during),
+                Err(wgpu::PollError::Timeout) if cancel::asked() => return Err(Error::Interrupted),
+                Err(wgpu::PollError::Timeout) => {}
+                Err(e) => return Err(Error::DeviceLost { during: during.into(), reason: e.to_string() }),
+            }
+        }
     }
 }

@@ -10,8 +10,8 @@ use pelage_core::film::tonemap::luminance;
 pub type Means = [f32; STATE.len()];
 
 /// Names of the planes: radiance and alpha of each half of the samples, radiance by what was hit
-/// first, the skin's normal, alpha times depth (cm), and the square of the luminance.
-pub const STATE: [&str; 22] = [
+/// first, normal, alpha times depth (cm), the square of the luminance, albedo and hairs' direction.
+pub const STATE: [&str; 28] = [
     "half0.R",
     "half0.G",
     "half0.B",
@@ -34,6 +34,12 @@ pub const STATE: [&str; 22] = [
     "N.Z",
     "depth.premultiplied",
     "luminance.square",
+    "Albedo.R",
+    "Albedo.G",
+    "Albedo.B",
+    "Tangent.X",
+    "Tangent.Y",
+    "Tangent.Z",
 ];
 
 /// The means of all pixels and their number of samples.
@@ -67,6 +73,8 @@ pub fn add(means: &mut Means, index: u32, sample: &PixelSample) {
     (0..3).for_each(|c| step(17 + c, of_all, sample.weight * sample.normal[c]));
     step(20, of_all, alpha * sample.depth);
     step(21, of_all, luminance(color).powi(2));
+    (0..3).for_each(|c| step(22 + c, of_all, sample.weight * sample.albedo[c]));
+    (0..3).for_each(|c| step(25 + c, of_all, sample.weight * sample.tangent[c]));
 }
 
 impl Accumulator {

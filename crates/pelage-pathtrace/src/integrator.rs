@@ -56,8 +56,13 @@ pub struct PixelSample {
     pub layer: Option<usize>,
     /// Depth of the first hit, cm along the viewing direction.
     pub depth: f32,
-    /// Smoothed normal of the skin along the camera ray, also where hairs cover it; 0 without skin.
+    /// Normal at the first hit: smoothed, of the skin; of a hair, that of a ribbon that faces the
+    /// camera.
     pub normal: Vec3,
+    /// Colour of what was hit first.
+    pub albedo: Vec3,
+    /// Direction of the hair that was hit first, from root to tip; 0 on the skin.
+    pub tangent: Vec3,
     /// Weight by the pixel's filter.
     pub weight: f32,
     /// Rays traced for it.
@@ -135,7 +140,7 @@ impl Tracer {
             };
             let vertex = self.vertex(&hit, &ray, distance);
             if scatterings == 0 {
-                self.record_first_hit(&mut sample, &hit, &camera.ray, &vertex, stack);
+                self.record_first_hit(&mut sample, &hit, &camera.ray, &vertex);
                 sample.depth = camera.depth + distance * camera.depth_rate;
             }
             let Some(vertex) = vertex else { return sample };
@@ -169,27 +174,23 @@ impl Tracer {
     }
 
     /// Records what the camera ray hits first.
-    fn record_first_hit(
-        &self,
-        sample: &mut PixelSample,
-        hit: &Hit,
-        ray: &Ray,
-        vertex: &Option<Vertex<'_>>,
-        stack: &mut Stack,
-    ) {
-        let skin = match (hit, vertex) {
-            (Hit::Hair(_), Some(Vertex::Hair(_, shaded, _, _))) => {
+    fn record_first_hit(&self, sample: &mut PixelSample, hit: &Hit, ray: &Ray, vertex: &Option<Vertex<'_>>) {
+        match (hit, vertex) {
+            (Hit::Hair(hair), Some(Vertex::Hair(_, shaded, _, _))) => {
                 sample.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });
-                self.geometry.closest_skin(ray, stack).map(|(skin, _)| skin)
+                sample.albedo = shaded.hit.tint;
+                sample.tangent = hair.axis.into();
+                let back = Vec3::from(-ray.direction);
+                let across = back - sample.tangent * back.dot(sample.tangent);
+                sample.normal = across.try_normalize().unwrap_or(back);
             }
             (Hit::Skin(skin), _) => {
+                let shading = self.geometry.skin_shading(skin);
                 sample.layer = Some(BASE);
-                Some(*skin)
+                sample.albedo = shading.reflectance;
+                sample.normal = shading.normal;
             }
-            (Hit::Hair(_), _) => None,
-        };
-        if let Some(skin) = skin {
-            sample.normal = self.geometry.skin_shading(&skin).normal;
+            (Hit::Hair(_), _) => {}
         }
     }
 

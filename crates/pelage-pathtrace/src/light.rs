@@ -68,7 +68,7 @@ impl Sky {
         if environment.map.is_empty() {
             return Ok(Some(Self::uniform(factor)));
         }
-        let panorama = Panorama::load(&assets.find(&environment.map)?)?;
+        let panorama = Panorama::load(&assets.find(&environment.map)?, &environment.layer)?;
         Ok(Self::of(panorama, environment.rotate, factor))
     }
 

@@ -62,15 +62,26 @@ pub fn drive(
     run: &Run,
 ) -> Result<Frame> {
     let mut rendering = Rendering::new(world, options);
-    let mut outcome = run(&mut rendering, &open()?, world, options);
+    let gpu = open()?;
+    let mut outcome = run(&mut rendering, &gpu, world, options);
+    close(gpu, options);
     if let Err(Error::DeviceLost { during, reason }) = &outcome {
         tracing::warn!("the GPU device was lost during {during} ({reason}); opening it again");
         // If it does not open, the first loss is reported.
         if let Ok(gpu) = open() {
             outcome = run(&mut rendering, &gpu, world, options);
+            close(gpu, options);
         }
     }
     rendering.end(outcome)
+}
+
+/// Closes a device, which waits for its work. After an interrupt that would take as long as the
+/// work: the device is then left open until the process ends.
+fn close(gpu: Gpu, options: &RenderOptions<'_>) {
+    if options.cancelled() {
+        std::mem::forget(gpu);
+    }
 }
 
 /// Renders `world` by `run` on an open device; if that is lost, the frame holds the finished tiles
@@ -98,7 +109,7 @@ impl Rendering {
         let film = &world.scene.film;
         Self {
             started: Instant::now(),
-            film: planes::blank_film(film.width, film.height, options.aovs),
+            film: planes::blank_film(film.width, film.height, options, world.scene.render.fur),
             timings: Timings::default(),
             stats: Stats::default(),
             done: 0,
@@ -111,7 +122,7 @@ impl Rendering {
         let plan = SamplePlan::new(scene);
         options.report(0.0, "shell_prisms");
         let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
-        let prepared = Prepared::new(gpu, world, &view, &mut self.timings)?;
+        let prepared = Prepared::with_features(gpu, world, &view, options.features, &mut self.timings)?;
         let mut tiles = tile::Tiles::new(&prepared, world, &plan, options)?;
         let jobs = tiles.jobs(options.crop);
         tiles.bin(&jobs, &mut self.timings)?;
@@ -137,6 +148,7 @@ impl Rendering {
             }
             self.done += 1;
             self.stats = tiles.stats.clone();
+            options.show(&self.film);
         }
         options.report(1.0, "film");
         self.finish_stats(gpu);
@@ -167,6 +179,7 @@ fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
         triangles: u64::from(prepared.triangles),
         strands: prepared.strands,
         subelements: prepared.subelements,
+        light_paths_cut: prepared.light_paths_cut,
         storage: if prepared.variant.stored { "stored".into() } else { "evaluated".into() },
         ..known_stats(gpu, scene)
     }

@@ -1,5 +1,7 @@
 //! The parts of a film that are rendered one after the other.
 
+use pelage_core::film::composite::crop_pixels;
+
 /// A tile: a rectangle of pixels, and the bin of strands that may touch it.
 #[derive(Debug, Clone, Copy)]
 pub struct Job {
@@ -15,10 +17,7 @@ impl Job {
     /// Tiles with edges of `edge` pixels that cover a film of `size` pixels, row by row, cut to
     /// `crop` (x0 x1 y0 y1 in 0..1).
     pub fn grid(size: [u32; 2], edge: u32, crop: Option<[f32; 4]>) -> Vec<Self> {
-        let [x0, x1, y0, y1] = crop.unwrap_or([0.0, 1.0, 0.0, 1.0]);
-        let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;
-        let low = [pixel(x0, size[0]), pixel(y0, size[1])];
-        let high = [pixel(x1, size[0]), pixel(y1, size[1])];
+        let [low, high] = crop_pixels(size, crop.unwrap_or([0.0, 1.0, 0.0, 1.0]));
         let grid = size.map(|s| s.div_ceil(edge));
         let mut jobs = Vec::new();
         for y in 0..grid[1] {

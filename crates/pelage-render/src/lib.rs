@@ -3,6 +3,7 @@
 
 pub mod driver;
 pub mod job;
+pub mod mattes;
 pub mod options;
 pub mod passes;
 pub mod plan;

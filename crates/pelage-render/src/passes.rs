@@ -55,27 +55,31 @@ pub struct Variant {
     pub multiple: u32,
     /// Coats: the scene's own and those of its parts; 0 counts as 1.
     pub coats: u32,
+    /// Whether albedo, normal, tangent and coverages are made.
+    pub features: bool,
 }
 
 impl Variant {
     /// Number of variants.
-    pub const COUNT: usize = 12 * (MODELS * MODELS) as usize * MAX_COATS;
+    pub const COUNT: usize = 24 * (MODELS * MODELS) as usize * MAX_COATS;
 
     /// Number of the variant, below [`Variant::COUNT`].
     pub fn index(self) -> usize {
         let models = self.guard.min(MODELS - 1) * MODELS + self.undercoat.min(MODELS - 1);
         usize::from(self.stored)
             + 2 * usize::from(self.nested)
-            + 4 * (models * 3 + self.multiple.min(2)) as usize
+            + 4 * usize::from(self.features)
+            + 8 * (models * 3 + self.multiple.min(2)) as usize
             + Self::COUNT / MAX_COATS * (self.coats.clamp(1, MAX_COATS as u32) - 1) as usize
     }
 
     /// The constants of the kernels that march the undercoat.
-    fn constants(self) -> [(&'static str, f64); 3] {
+    fn constants(self) -> [(&'static str, f64); 4] {
         [
             ("STORED", f64::from(u8::from(self.stored))),
             ("NESTED", f64::from(u8::from(self.nested))),
             self.undercoat(),
+            self.features(),
         ]
     }
 
@@ -87,6 +91,11 @@ impl Variant {
     /// The constant that bounds the coats in kernels that evaluate parameters of the groom.
     pub fn coats(self) -> (&'static str, f64) {
         ("COATS", f64::from(self.coats.max(1)))
+    }
+
+    /// The constant that selects whether features are made.
+    fn features(self) -> (&'static str, f64) {
+        ("FEATURES", f64::from(u8::from(self.features)))
     }
 
     /// The constant that selects the fibre model of the guard hairs.
@@ -155,18 +164,18 @@ impl Passes {
     /// [`pelage_core::Error::Gpu`] with file and line of a fault in a shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            base_raster: base_raster::BaseRaster::new(gpu)?,
+            base_raster: base_raster::BaseRaster::new(gpu, variant)?,
             edge_table: edge_table::EdgeTable::new(gpu)?,
-            film: film::Film::new(gpu)?,
+            film: film::Film::new(gpu, variant)?,
             guard_bins: guard_bins::GuardBins::new(gpu)?,
-            guard_raster: guard_raster::GuardRaster::new(gpu)?,
+            guard_raster: guard_raster::GuardRaster::new(gpu, variant)?,
             guard_shade: guard_shade::GuardShade::new(gpu, variant)?,
             guard_splat: guard_splat::GuardSplat::new(gpu)?,
             guard_strands: guard_strands::GuardStrands::new(gpu, variant)?,
             hair_roots: hair_roots::HairRoots::new(gpu, variant)?,
             light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
             resolve: resolve::Resolve::new(gpu, variant)?,
-            shell_entry: shell_entry::ShellEntry::new(gpu)?,
+            shell_entry: shell_entry::ShellEntry::new(gpu, variant)?,
             shell_lattice: shell_lattice::ShellLattice::new(gpu, variant)?,
             shell_prisms: shell_prisms::ShellPrisms::new(gpu, variant)?,
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,

@@ -9,6 +9,7 @@ mod tables;
 
 use crate::passes::{Passes, Variant};
 use lattice::Lattice;
+pub use lattice::lattice_bytes;
 use pelage_core::scene::{LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};
@@ -40,6 +41,8 @@ pub struct Prepared<'g> {
     pub strands: u64,
     /// Number of subelements of the volume.
     pub subelements: u64,
+    /// Number of optical depths towards lights that end at the last step of their march.
+    pub light_paths_cut: u64,
     /// All strands, if they fit the budget.
     pub resident: Option<Strands>,
     /// If they do not: ranges of triangles whose roots are drawn again for each tile.
@@ -86,7 +89,7 @@ impl Volume {
 }
 
 /// The variant of the passes for a scene.
-fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
+fn variant_of(world: &World, packed: &PackedGroom, stored: bool, features: bool) -> Variant {
     Variant {
         stored,
         nested: world.scene.render.light == LightLookup::Nested,
@@ -98,6 +101,7 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool) -> Variant {
             MultipleModel::Transport => 2,
         },
         coats: packed.groom.count,
+        features,
     }
 }
 
@@ -125,6 +129,20 @@ impl<'g> Prepared<'g> {
     /// # Errors
     /// [`Error::OutOfMemory`] if the skin does not fit the budget, [`Error::Gpu`] if a pass fails.
     pub fn new(gpu: &'g Gpu, world: &World, frame: &Frame, timings: &mut Timings) -> Result<Self> {
+        Self::with_features(gpu, world, frame, false, timings)
+    }
+
+    /// [`Prepared::new`]; if `features`, with kernels that make albedo, normal, tangent, coverages.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn with_features(
+        gpu: &'g Gpu,
+        world: &World,
+        frame: &Frame,
+        features: bool,
+        timings: &mut Timings,
+    ) -> Result<Self> {
         let packed = groom::pack(world)?;
         let scattered =
             matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
@@ -132,7 +150,7 @@ impl<'g> Prepared<'g> {
         let skin = &world.skin;
         let mut buffers = upload(gpu, skin, &packed, frame)?;
         let volume = Volume::plan(gpu, world)?;
-        let variant = variant_of(world, &packed, volume.stored);
+        let variant = variant_of(world, &packed, volume.stored, features);
         let tables = Tables::new(gpu, scattered.as_ref())?;
         let passes = Passes::of(gpu, variant)?;
 
@@ -171,6 +189,7 @@ impl<'g> Prepared<'g> {
             walls: 0,
             strands: 0,
             subelements: volume.subelements,
+            light_paths_cut: 0,
             resident: None,
             batches: Vec::new(),
             strand_budget: world.scene.render.memory * 3 / 10,

@@ -2,7 +2,7 @@
 //! make figures of single steps.
 
 use crate::prepare::Prepared;
-use crate::tile_buffers::{TileBuffers, list_bytes};
+use crate::tile_buffers::{COUNTER_BYTES, MarchCounts, TileBuffers, fragment_bytes, list_bytes};
 use crate::twin::base_raster;
 use crate::twin::film::{Sample, unpack};
 use crate::twin::resolve::{Base, Node};
@@ -10,8 +10,9 @@ use crate::twin::undercoat_march::MarchInputs;
 use bytemuck::Pod;
 use glam::Vec2;
 use pelage_core::{Error, Result, World};
+use pelage_fur::camera::FLAG_SORTED_LISTS;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::{BASE_WORDS, Bin, Frame, FurParameters, SAMPLE_WORDS};
+use pelage_fur::layout::{BASE_WORDS, Bin, Frame, FurParameters, SAMPLE_FEATURE_WORDS, SAMPLE_WORDS};
 use pelage_fur::parameters::Maps;
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
@@ -19,7 +20,7 @@ use pelage_fur::surface::corner_uv;
 use pelage_fur::undercoat::Undercoat;
 use pelage_fur::{camera, groom};
 use pelage_gpu::recorder::{RasterTargets, Timings};
-use pelage_gpu::{Buffer, Gpu, Recorder, Scope};
+use pelage_gpu::{Buffer, Gpu, Recorder, Resource, Scope};
 use std::ops::Deref;
 use std::sync::Arc;
 
@@ -52,7 +53,17 @@ impl<'g> PreparedWorld<'g> {
     /// # Errors
     /// As [`Prepared::new`].
     pub fn new(gpu: &'g Gpu, world: World, film: [u32; 2]) -> Result<Self> {
-        let prepared = Prepared::new(gpu, &world, &frame_of(&world, film), &mut Timings::default())?;
+        Self::with_features(gpu, world, film, false)
+    }
+
+    /// [`PreparedWorld::new`] with kernels that make albedo, normal, tangent and coverages if
+    /// `features`.
+    ///
+    /// # Errors
+    /// As [`Prepared::new`].
+    pub fn with_features(gpu: &'g Gpu, world: World, film: [u32; 2], features: bool) -> Result<Self> {
+        let (frame, mut timings) = (frame_of(&world, film), Timings::default());
+        let prepared = Prepared::with_features(gpu, &world, &frame, features, &mut timings)?;
         let mut read = Self {
             packed: groom::pack(&world)?,
             fur: prepared.fur,
@@ -144,7 +155,9 @@ impl<'g> Probe<'g> {
         frame.tile_size = size;
         frame.node_capacity = capacity as u32;
         let samples = u64::from(size[0]) * u64::from(size[1]);
-        let buffers = TileBuffers::new(gpu, size, list_bytes(samples, capacity))?;
+        let features = of.prepared.variant.features;
+        let bytes = list_bytes(samples, 0) + capacity * fragment_bytes(features);
+        let buffers = TileBuffers::new(gpu, size, bytes, features)?;
         Ok(Self { of: of.clone(), frame, buffers, uniform: gpu.uniform("frame", &frame)? })
     }
 
@@ -240,17 +253,45 @@ impl<'g> Probe<'g> {
     pub fn resolve(&self, exact: bool) -> Result<Vec<Sample>> {
         let count = self.samples() as u64;
         self.run(|recorder, scope| self.prepared.passes.resolve.record(recorder, scope, count, exact))?;
-        let words: Vec<[u32; SAMPLE_WORDS as usize]> = self.read("samples", self.samples())?;
-        Ok(words.into_iter().map(unpack).collect())
+        self.resolved()
     }
 
-    /// Number of rays that the march lost, and length of the longest list.
+    /// The samples that `resolve` wrote.
+    fn resolved(&self) -> Result<Vec<Sample>> {
+        let features = self.prepared.variant.features;
+        let of_sample = SAMPLE_WORDS + if features { SAMPLE_FEATURE_WORDS } else { 0 };
+        let words: Vec<u32> = self.read("samples", self.samples() * of_sample as usize)?;
+        Ok(words.chunks_exact(of_sample as usize).map(unpack).collect())
+    }
+
+    /// Sorts the lists and resolves them; the counts begin again.
     ///
     /// # Errors
     /// [`Error::Gpu`].
-    pub fn counters(&self) -> Result<[u32; 2]> {
-        let words: Vec<u32> = self.read("march_counters", 2)?;
-        Ok([words[0], words[1]])
+    pub fn sort_and_resolve(&self, exact: bool) -> Result<Vec<Sample>> {
+        let gpu = self.prepared.gpu;
+        let count = self.samples() as u64;
+        let frame = Frame { flags: self.frame.flags | FLAG_SORTED_LISTS, ..self.frame };
+        let frame = gpu.uniform("frame", &frame)?;
+        let lists = self.buffers.buffer("fragment_lists")?;
+        let longest = self.counters()?.longest;
+        let mut runs = Vec::new();
+        self.run(|recorder, scope| {
+            let scope = scope.with(&[&frame]).and("lists_to_sort", Resource::Buffer(&lists.raw));
+            let resolve = &self.prepared.passes.resolve;
+            runs = resolve.record_sort(gpu, recorder, &scope, count, longest)?;
+            recorder.clear(self.buffers.buffer("march_counters")?, COUNTER_BYTES);
+            resolve.record(recorder, &scope, count, exact)
+        })?;
+        self.resolved()
+    }
+
+    /// What the march and `resolve` counted.
+    ///
+    /// # Errors
+    /// [`Error::Gpu`].
+    pub fn counters(&self) -> Result<MarchCounts> {
+        self.buffers.counts(self.prepared.gpu)
     }
 
     /// The fragments of each sample, nearest first.

@@ -7,18 +7,19 @@ mod size;
 use crate::job::Job;
 use crate::options::RenderOptions;
 use crate::plan::SamplePlan;
-use crate::planes::write_tile;
+use crate::planes::{self, write_tile};
 use crate::prepare::Prepared;
-use crate::tile_buffers::{FRAGMENT_BYTES, TileBuffers};
+use crate::tile_buffers::{COUNTER_BYTES, MarchCounts, TileBuffers, fragment_bytes};
 use bins::{Bins, StrandRaster};
 use pelage_core::film::Film;
 use pelage_core::scene::Blend;
 use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, World};
+use pelage_fur::camera::FLAG_SORTED_LISTS;
 use pelage_fur::groom;
 use pelage_fur::layout::Frame;
-use pelage_gpu::Recorder;
 use pelage_gpu::recorder::Timings;
+use pelage_gpu::{Recorder, Resource};
 use size::TileSize;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -45,8 +46,7 @@ struct Outcome {
     fragments: u64,
     capacity: u64,
     pixels: Vec<f32>,
-    rays_lost: u64,
-    longest: u64,
+    counts: MarchCounts,
 }
 
 impl<'a> Tiles<'a> {
@@ -60,13 +60,15 @@ impl<'a> Tiles<'a> {
         plan: &'a SamplePlan,
         options: &RenderOptions<'a>,
     ) -> Result<Self> {
-        let size = TileSize::choose(prepared, world, plan, options.planes())?;
-        let buffers = TileBuffers::new(prepared.gpu, size.extent, size.list_bytes)?;
+        let planes = planes::written(options, world.scene.render.fur);
+        let size = TileSize::choose(prepared, world, plan, planes, options)?;
+        let buffers =
+            TileBuffers::new(prepared.gpu, size.extent, size.list_bytes, prepared.variant.features)?;
         Ok(Self {
             prepared,
             world,
             plan,
-            planes: options.planes(),
+            planes,
             edge: size.edge,
             buffers,
             bins: None,
@@ -110,8 +112,12 @@ impl<'a> Tiles<'a> {
         self.stats.tiles += 1;
         if outcome.fragments <= outcome.capacity {
             self.stats.fragments += outcome.fragments;
-            self.stats.rays_lost += outcome.rays_lost;
-            self.stats.fragments_max = self.stats.fragments_max.max(outcome.longest);
+            let counts = outcome.counts;
+            self.stats.rays_lost += counts.rays_lost;
+            self.stats.rays_cut += counts.rays_cut + counts.marches_cut;
+            self.stats.light_paths_cut += counts.light_paths_cut;
+            self.stats.fragments_unread += counts.unread + outcome.fragments.saturating_sub(counts.listed);
+            self.stats.fragments_max = self.stats.fragments_max.max(counts.longest);
             write_tile(job, &outcome.pixels, film);
             return Ok(());
         }
@@ -119,7 +125,7 @@ impl<'a> Tiles<'a> {
         if job.size[0] <= SMALLEST && job.size[1] <= SMALLEST {
             return Err(Error::OutOfMemory {
                 pass: "resolve".into(),
-                needed: outcome.fragments * FRAGMENT_BYTES,
+                needed: outcome.fragments * fragment_bytes(self.prepared.variant.features),
             });
         }
         let half = job.size.map(|s| s.div_ceil(2).max(1));
@@ -155,20 +161,21 @@ impl<'a> Tiles<'a> {
         let pixels = gpu.storage("pixels", 7, count * u64::from(self.planes) * 4)?;
         let targets = self.buffers.targets(size);
         let exact = scene.render.blend == Blend::Exact;
-        let (mut fragments, mut rays_lost, mut longest) = (0, 0, 0);
+        let (mut fragments, mut counts) = (0, MarchCounts::default());
         for pass in 0..self.plan.passes.len() {
             if self.cancel.is_some_and(|c| c.load(Ordering::Relaxed)) {
                 return Err(Error::Interrupted);
             }
             let mut frame = self.frame(pass, origin, size);
             frame.node_capacity = capacity.min(u64::from(u32::MAX >> 2)) as u32;
+            let sorted = Frame { flags: frame.flags | FLAG_SORTED_LISTS, ..frame };
             let frame = gpu.uniform("frame", &frame)?;
             let reconstruction =
                 gpu.uniform("reconstruction", &self.plan.reconstruction(scene, pass, job.size, self.planes))?;
             let scope = self.buffers.add_to(&self.prepared.scope()).with(&[&frame, &pixels, &reconstruction]);
             let mut recorder = Recorder::new(gpu);
             recorder.clear(lists, (1 + samples) * 4);
-            recorder.clear(counters, 16);
+            recorder.clear(counters, COUNTER_BYTES);
             passes.base_raster.record(&mut recorder, &scope, &targets, self.prepared.triangles)?;
             if groom::has_undercoat(scene) {
                 passes.shell_entry.record(
@@ -188,18 +195,35 @@ impl<'a> Tiles<'a> {
             strands.draw(job.bin, &scope, timings)?;
             let mut recorder = Recorder::new(gpu);
             passes.resolve.record(&mut recorder, &scope, samples, exact)?;
-            passes.film.record(&mut recorder, &scope, count)?;
             recorder.submit(timings)?;
             let written = u64::from(gpu.read::<u32>(lists, 4)?.first().copied().unwrap_or(0));
             fragments += written;
             if written > capacity {
-                return Ok(Outcome { fragments: written, capacity, pixels: Vec::new(), rays_lost, longest });
+                return Ok(Outcome { fragments: written, capacity, pixels: Vec::new(), counts });
             }
-            let counts: Vec<u32> = gpu.read(counters, 8)?;
-            rays_lost += u64::from(counts[0]);
-            longest = longest.max(u64::from(counts[1]));
+            let mut counted = self.buffers.counts(gpu)?;
+            if counted.unread > 0 || counted.listed < written {
+                // The adapter ended the loops that read long lists: read them sorted.
+                let sorted = gpu.uniform("frame", &sorted)?;
+                let scope = scope.with(&[&sorted]).and("lists_to_sort", Resource::Buffer(&lists.raw));
+                let mut recorder = Recorder::new(gpu);
+                let _runs =
+                    passes.resolve.record_sort(gpu, &mut recorder, &scope, samples, counted.longest)?;
+                recorder.clear(counters, COUNTER_BYTES);
+                if self.prepared.variant.features {
+                    // `resolve` has overwritten the skin's albedo in `samples`.
+                    passes.base_raster.record(&mut recorder, &scope, &targets, self.prepared.triangles)?;
+                }
+                passes.resolve.record(&mut recorder, &scope, samples, exact)?;
+                recorder.submit(timings)?;
+                counted = counted.resolved_again(self.buffers.counts(gpu)?);
+            }
+            counts = counts.plus(counted);
+            let mut recorder = Recorder::new(gpu);
+            passes.film.record(&mut recorder, &scope, count)?;
+            recorder.submit(timings)?;
         }
         let data = gpu.read(&pixels, count * u64::from(self.planes) * 4)?;
-        Ok(Outcome { fragments, capacity: u64::MAX, pixels: data, rays_lost, longest })
+        Ok(Outcome { fragments, capacity: u64::MAX, pixels: data, counts })
     }
 }

@@ -118,6 +118,7 @@ pub fn bake(world: &World) -> Result<FurTextures> {
     let (voxels, fins, block) = match spec.source {
         BakeSource::Hybrid => {
             let fur = hybrid::HybridFur::new(world, patch)?;
+            check_patch(&fur, patch, spec.resolution)?;
             let block = block(spec.height.unwrap_or_else(|| fur.height()))?;
             let voxels = voxelise(&fur, &block, Keep::Coverage, true);
             (voxels, fin(&fur, &block, spec.fin_resolution, spec.fin_slab, true), block)
@@ -199,6 +200,33 @@ fn check_sizes(layers: u32, resolution: [u32; 2], fin: [u32; 2]) -> Result<()> {
         return Err(Error::fault("bake.resolution", message));
     }
     Ok(())
+}
+
+/// Largest extent of a hair across the skin, texels: its footprint, which has the square of that,
+/// is held in memory once per thread.
+const MOST_ACROSS: f32 = 4000.0;
+
+/// Checks that a hair's footprint on a torus of `patch` cm is not absurdly large.
+fn check_patch(fur: &impl HairSource, patch: f32, resolution: [u32; 2]) -> Result<()> {
+    /// Hairs that are looked at.
+    const SAMPLE: u32 = 256;
+    let across = (0..fur.count().min(SAMPLE))
+        .flat_map(|i| fur.hair(i).knots)
+        .map(|knot| 2.0 * knot.offset.truncate().abs().max_element() + knot.diameter)
+        .fold(0.0, f32::max);
+    let texels = across * resolution[0].max(resolution[1]) as f32 / patch;
+    if texels <= MOST_ACROSS {
+        return Ok(());
+    }
+    let least = across * resolution[0].max(resolution[1]) as f32 / MOST_ACROSS;
+    Err(Error::fault(
+        "bake.patch",
+        format!(
+            "found {patch:e} cm: a hair, {across:.3} cm across the skin, would touch {texels:.0} texels in a row, expected at \
+             most {MOST_ACROSS}: with this groom and bake.resolution give {:.4} cm or more",
+            1.05 * least
+        ),
+    ))
 }
 
 fn note_hair_above(voxels: &Voxels, height: f32) {

@@ -6,7 +6,7 @@
 //! around it (`outline`, `grow`) and flattens it by a least-squares fit to the field (`flatten`).
 //! Faces that would be flipped or stretched too much are cut off and left to later patches. A patch
 //! of one face is flattened exactly, so the method terminates on every mesh.
-// [Praun2000], [Lengyel2001] sec. 3.2
+// [Praun2000], [Lengyel2001] sec. 2.1
 
 mod cells;
 mod field;
@@ -162,7 +162,7 @@ struct Paste<'a> {
 impl Paste<'_> {
     /// Pastes patches of whole faces: a face belongs to a patch if its centroid lies in the
     /// outline. Each face shows the last patch.
-    // [Lengyel2001] sec. 3.2
+    // [Lengyel2001] sec. 2.1
     fn whole_faces(&mut self) {
         for face in self.grower.surface.random_order(self.seed) {
             if self.lapped.topmost[face as usize] != u32::MAX {

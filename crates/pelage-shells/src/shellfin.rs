@@ -7,6 +7,7 @@ mod geometry;
 mod hair;
 mod picture;
 mod rows;
+mod spread;
 mod table;
 mod textures;
 
@@ -15,6 +16,7 @@ pub(crate) use geometry::{uv_area, uv_in_cm};
 pub(crate) use hair::{bent, brush_weight, hair_curve};
 pub use picture::{Pictures, run};
 pub use rows::{FIN_ROWS, levels, rows};
+pub use spread::spread;
 pub use table::{hair_lighting, lighting_table};
 pub(crate) use textures::FIN_TEXELS;
 pub use textures::{Means, deepened};
@@ -121,16 +123,20 @@ pub(crate) fn fin_depth(
     FIN_SPACING * mean as f32 / manifest.fin_depth
 }
 
-/// Loads the textures that the scene names, or else bakes those that it describes.
+/// Loads the textures that the scene names, or else bakes those that it describes, spread over
+/// `shells.layers` if that is more than they have.
 ///
 /// # Errors
 /// [`Error::Scene`] or [`Error::Io`] if the named files are missing or damaged, and the errors of
 /// [`crate::bake::bake`].
 pub fn textures(world: &World) -> Result<FurTextures> {
-    match &world.textures {
-        Some(manifest) => crate::bake::load(manifest),
-        None => crate::bake::bake(world),
-    }
+    let textures = match &world.textures {
+        Some(manifest) => crate::bake::load(manifest)?,
+        None => crate::bake::bake(world)?,
+    };
+    // Fewer shells than layers are the inner ones; for more, the layers are spread over them.
+    let wanted = world.scene.shells.layers.unwrap_or(0);
+    Ok(if wanted > textures.manifest.layers { spread(&textures, wanted) } else { textures })
 }
 
 impl<'g> Shellfins<'g> {

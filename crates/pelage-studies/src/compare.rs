@@ -125,7 +125,8 @@ impl std::fmt::Display for Comparison {
                 let name = metric.part_name(part);
                 let mut line = format!("{name:<22}");
                 for (_, metrics) in &regions {
-                    line += &format!("{:<14.6}", (metric.values)(metrics)[part]);
+                    // A space at least between columns.
+                    line += &format!("{:<13} ", cell((metric.values)(metrics)[part]));
                 }
                 writeln!(f, "{}", line.trim_end())?;
             }
@@ -137,6 +138,18 @@ impl std::fmt::Display for Comparison {
             "{:<22}{} image, {} reference",
             "not finite", self.non_finite_image, self.non_finite_reference
         )
+    }
+}
+
+/// A value as it is printed, 13 characters at most.
+fn cell(value: f64) -> String {
+    let text = format!("{value:.6}");
+    if value.is_nan() {
+        "undefined".to_owned()
+    } else if text.len() > 13 {
+        format!("{value:.5e}")
+    } else {
+        text
     }
 }
 

@@ -174,7 +174,8 @@ fn undercoat_parts(
     let part = |k: usize| {
         let t = slice_middle(k, top) / height.max(1e-6);
         let density = |p: &SkinPoint| {
-            let domain = if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position };
+            let domain =
+                if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position - Vec3::from(fur.origin) };
             let density = maps.scalar(Parameter::UndercoatDensity, p) / fur.density;
             density * undercoat.clump_density(domain, domain, t)
         };

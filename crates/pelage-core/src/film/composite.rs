@@ -54,11 +54,11 @@ impl Backdrop {
                 if scene.film.plate.is_empty() {
                     return Err(Error::fault(
                         "film.plate",
-                        "found no name, expected a PNG, HDR or EXR file because film.background is \"plate\"",
+                        "found no name, expected an image file because film.background is \"plate\"",
                     ));
                 }
                 let path = assets.find(&scene.film.plate)?;
-                let film = io::read_asset(&path)?;
+                let film = io::read_asset(&path, "")?;
                 let pixels = film.premultiplied()?;
                 if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
                     let (x, y) = (i % film.width as usize, i / film.width as usize);
@@ -87,7 +87,7 @@ impl Backdrop {
                 view_of(&scene.camera)?;
                 let panorama = match environment.map.as_str() {
                     "" => None,
-                    name => Some(Panorama::load(&assets.find(name)?)?),
+                    name => Some(Panorama::load(&assets.find(name)?, &environment.layer)?),
                 };
                 Ok(Self::Environment {
                     panorama,
@@ -156,6 +156,28 @@ impl Backdrop {
         pixels.par_iter_mut().zip(&back).for_each(|(front, back)| *front = over(*front, *back));
         film.set_premultiplied(&pixels);
         Ok(())
+    }
+}
+
+/// First pixel, and pixel after the last, of the part `crop` (x0 x1 y0 y1 in 0..1) of a film of
+/// `size` pixels.
+pub fn crop_pixels(size: [u32; 2], [x0, x1, y0, y1]: [f32; 4]) -> [[u32; 2]; 2] {
+    let pixel = |x: f32, n: u32| (x.clamp(0.0, 1.0) * n as f32).round() as u32;
+    [[pixel(x0, size[0]), pixel(y0, size[1])], [pixel(x1, size[0]), pixel(y1, size[1])]]
+}
+
+/// Makes everything outside the part `crop` of a film transparent: `R G B A` and the background's
+/// planes are 0 there.
+pub fn clear_outside(film: &mut Film, crop: [f32; 4]) {
+    let [low, high] = crop_pixels([film.width, film.height], crop);
+    let width = film.width as usize;
+    let inside = |i: usize| {
+        let at = [(i % width) as u32, (i / width) as u32];
+        (0..2).all(|k| low[k] <= at[k] && at[k] < high[k])
+    };
+    let cleared = ["R", "G", "B", "A", "background.R", "background.G", "background.B"];
+    for plane in film.planes.iter_mut().filter(|p| cleared.contains(&p.name.as_str())) {
+        plane.data.iter_mut().enumerate().filter(|(i, _)| !inside(*i)).for_each(|(_, v)| *v = 0.0);
     }
 }
 

@@ -6,7 +6,7 @@ use ::exr::{
     image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},
     meta::{
         MetaData,
-        attribute::{AttributeValue, LineOrder, Text},
+        attribute::{AttributeValue, Chromaticities, LineOrder, Text},
         header::{Header, LayerAttributes},
     },
     prelude::{Blocks, Compression, ReadChannels, ReadLayers, Vec2, WritableImage, read},
@@ -20,6 +20,14 @@ use std::{
 
 /// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
+
+/// Primaries of ITU-R BT.709 and the white point D65: what linear RGB means here.
+const REC709: Chromaticities = Chromaticities {
+    red: Vec2(0.64, 0.33),
+    green: Vec2(0.3, 0.6),
+    blue: Vec2(0.15, 0.06),
+    white: Vec2(0.3127, 0.329),
+};
 
 /// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film
 /// and `meta` alone.
@@ -43,6 +51,9 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
     for (key, value) in &meta.entries {
         attributes.other.insert(text(&format!("{PREFIX}{key}")), AttributeValue::Text(text(value)));
     }
+    for (name, value) in &meta.attributes {
+        attributes.other.insert(text(name), AttributeValue::Text(text(value)));
+    }
     let encoding = Encoding {
         compression: Compression::ZIP16,
         blocks: Blocks::ScanLines,
@@ -56,7 +67,9 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
         AnyChannels::sort(channels.into_iter().collect()),
     );
     let mut out = BufWriter::new(&mut *file);
-    Image::from_layer(layer).write().to_buffered(&mut out)?;
+    let mut image = Image::from_layer(layer);
+    image.attributes.chromaticities = Some(REC709);
+    image.write().to_buffered(&mut out)?;
     out.flush()?;
     drop(out);
     sort_attributes(file)
@@ -112,8 +125,9 @@ fn zero_terminated(input: &mut impl Read) -> Result<Vec<u8>, Failure> {
     }
 }
 
-/// Decodes all channels of all parts. `bytes` is the length of the file.
-pub(super) fn decode(input: &mut BufReader<File>, bytes: u64) -> Result<Film, Failure> {
+/// Decodes all channels of all parts. `bytes` is the length of the file. `R G B A` become those of
+/// `layer`; where it is empty, of the first layer that has them.
+pub(super) fn decode(input: &mut BufReader<File>, bytes: u64, layer: &str) -> Result<Film, Failure> {
     let headers = MetaData::read_from_buffered(&mut *input, false)?.headers;
     check_headers(&headers, bytes)?;
     input.rewind()?;
@@ -143,6 +157,7 @@ pub(super) fn decode(input: &mut BufReader<File>, bytes: u64) -> Result<Film, Fa
             film.planes.push(Plane { name, full_precision, data });
         }
     }
+    select(&mut film, layer)?;
     complete(&mut film)?;
     film.validate()?;
     Ok(film)
@@ -193,6 +208,54 @@ fn check_headers(headers: &[Header], bytes: u64) -> Result<(), Failure> {
     Ok(())
 }
 
+/// Names of the layers (parts or channels' prefixes) with channels R, G and B, or Y.
+fn layers(film: &Film) -> Vec<String> {
+    let has = |layer: &str, channel: &str| film.plane(&format!("{layer}.{channel}")).is_some();
+    let mut found: Vec<String> = Vec::new();
+    for plane in &film.planes {
+        let Some((layer, _)) = plane.name.rsplit_once('.') else { continue };
+        let coloured = ["R", "G", "B"].iter().all(|c| has(layer, c)) || has(layer, "Y");
+        if coloured && !found.iter().any(|name| name == layer) {
+            found.push(layer.to_owned());
+        }
+    }
+    found
+}
+
+/// Renames the channels of `layer` to `R G B A` or `Y A`, in place of those that have these names;
+/// without a name those of the first layer, if none has these names.
+fn select(film: &mut Film, layer: &str) -> Result<(), Failure> {
+    let plain = film.plane("Y").is_some() || ["R", "G", "B"].iter().all(|c| film.plane(c).is_some());
+    if layer.is_empty() && plain {
+        return Ok(());
+    }
+    let found = layers(film);
+    let chosen = if layer.is_empty() { found.first() } else { found.iter().find(|name| *name == layer) };
+    let Some(chosen) = chosen else {
+        if layer.is_empty() {
+            return Ok(());
+        }
+        let list = if found.is_empty() { "none".to_owned() } else { found.join(", ") };
+        return Err(format!(
+            "found no layer \"{layer}\" with channels R, G, B or Y, expected one of: {list}"
+        )
+        .into());
+    };
+    let named = |name: &str| {
+        name.strip_prefix(chosen.as_str())
+            .and_then(|rest| rest.strip_prefix('.'))
+            .filter(|c| ["R", "G", "B", "A", "Y"].contains(c))
+            .map(str::to_owned)
+    };
+    film.planes.retain(|p| !["R", "G", "B", "A", "Y"].contains(&p.name.as_str()));
+    for plane in &mut film.planes {
+        if let Some(channel) = named(&plane.name) {
+            plane.name = channel;
+        }
+    }
+    Ok(())
+}
+
 /// Ensures planes `R G B A`, in front of the other planes.
 fn complete(film: &mut Film) -> Result<(), Failure> {
     if ["R", "G", "B"].iter().any(|name| film.plane(name).is_none()) {
@@ -214,17 +277,22 @@ fn complete(film: &mut Film) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The `pelage.*` attributes, by name.
+/// The `pelage.*` attributes, and those of Cryptomatte, by name.
 pub(super) fn decode_metadata(input: &mut BufReader<File>) -> Result<Metadata, Failure> {
     let mut meta = Metadata::default();
     for header in MetaData::read_from_buffered(input, false)?.headers {
         for (name, value) in &header.own_attributes.other {
             let name = String::from_utf8_lossy(name.as_slice()).into_owned();
-            if let (Some(key), AttributeValue::Text(value)) = (name.strip_prefix(PREFIX), value) {
-                meta = meta.with(key, String::from_utf8_lossy(value.as_slice()));
+            let AttributeValue::Text(value) = value else { continue };
+            let value = String::from_utf8_lossy(value.as_slice());
+            if let Some(key) = name.strip_prefix(PREFIX) {
+                meta = meta.with(key, value);
+            } else if name.starts_with("cryptomatte/") {
+                meta = meta.with_attribute(&name, value);
             }
         }
     }
     meta.entries.sort();
+    meta.attributes.sort();
     Ok(meta)
 }

@@ -11,6 +11,8 @@ use sha2::{Digest, Sha256};
 pub struct Metadata {
     /// Key and value, in order.
     pub entries: Vec<(String, String)>,
+    /// Name and value of further attributes, which other programs define; only in EXR files.
+    pub attributes: Vec<(String, String)>,
 }
 
 impl Metadata {
@@ -27,6 +29,18 @@ impl Metadata {
         self.entries.retain(|(k, _)| k != key);
         self.entries.push((key.to_owned(), value.into()));
         self
+    }
+
+    /// Sets an attribute of EXR files, under its own name.
+    pub fn with_attribute(mut self, name: &str, value: impl Into<String>) -> Self {
+        self.attributes.retain(|(n, _)| n != name);
+        self.attributes.push((name.to_owned(), value.into()));
+        self
+    }
+
+    /// The attribute called `name`.
+    pub fn attribute(&self, name: &str) -> Option<&str> {
+        self.attributes.iter().find(|(n, _)| n == name).map(|(_, v)| v.as_str())
     }
 
     /// `scene`: the scene as text, and `scene_sha256`: its hash in hexadecimal.

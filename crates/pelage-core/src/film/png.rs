@@ -12,7 +12,7 @@ use glam::Vec3;
 use rayon::prelude::*;
 use std::{
     fs::File,
-    io::{BufReader, Write},
+    io::{BufReader, Seek, Write},
 };
 
 /// Prefix of the metadata's keys in a file.
@@ -67,24 +67,84 @@ pub(super) fn limits() -> image::Limits {
     limits
 }
 
-/// Decodes a PNG of any colour type to texels with straight alpha; colours, if it holds any, from
-/// sRGB.
+/// How the samples of a PNG become linear.
+#[derive(Clone, Copy)]
+enum Transfer {
+    Srgb,
+    Power(f32),
+    /// Of ITU-R BT.709: the inverse of its opto-electronic transfer function.
+    Rec709,
+}
+
+impl Transfer {
+    /// By precedence: cICP, sRGB, gAMA; without any, sRGB.
+    fn of(input: &mut BufReader<File>) -> Result<Self, Failure> {
+        let mut decoder = ::png::Decoder::new(&mut *input);
+        decoder.set_ignore_text_chunk(true);
+        decoder.set_ignore_iccp_chunk(true);
+        let reader = decoder.read_info()?;
+        let info = reader.info();
+        let found = match (info.coding_independent_code_points, info.srgb, info.gama_chunk) {
+            (Some(code), ..) => match code.transfer_function {
+                1 | 6 | 14 | 15 => Self::Rec709,
+                4 => Self::Power(2.2),
+                5 => Self::Power(2.8),
+                8 => Self::Power(1.0),
+                13 => Self::Srgb,
+                other => {
+                    return Err(format!(
+                        "found the transfer function {other} in its cICP chunk, which is not supported: \
+                         save it as sRGB or linear"
+                    )
+                    .into());
+                }
+            },
+            (None, Some(_), _) | (None, None, None) => Self::Srgb,
+            (None, None, Some(gamma)) => match gamma.into_scaled() {
+                // What programs write that mean sRGB.
+                45454..=45456 => Self::Srgb,
+                0 => return Err("found a gAMA chunk of 0, expected a positive number".into()),
+                scaled => Self::Power((100_000.0 / f64::from(scaled)) as f32),
+            },
+        };
+        input.rewind()?;
+        Ok(found)
+    }
+
+    fn linear(self, v: f32) -> f32 {
+        match self {
+            Self::Srgb => srgb_decode(v),
+            Self::Power(1.0) => v,
+            Self::Power(exponent) => v.powf(exponent),
+            Self::Rec709 if v < 0.081 => v / 4.5,
+            Self::Rec709 => ((v + 0.099) / 1.099).powf(1.0 / 0.45),
+        }
+    }
+}
+
+/// Decodes a PNG of any colour type to texels with straight alpha; colours, if it holds any, to
+/// linear.
 pub(super) fn decode_texels(input: &mut BufReader<File>, color: bool) -> Result<Texels, Failure> {
     use image::{DynamicImage, ImageDecoder, codecs::png::PngDecoder};
+    let transfer = if color { Transfer::of(input)? } else { Transfer::Power(1.0) };
     let decoder = PngDecoder::with_limits(input, limits())?;
     let (width, height) = decoder.dimensions();
     check_size(width.into(), height.into(), 4)?;
     let pixels = DynamicImage::from_decoder(decoder)?.into_rgba32f();
-    let linear = |v: f32| if color { srgb_decode(v) } else { v };
+    let linear = |v: f32| transfer.linear(v);
     let texels = pixels.as_raw().par_chunks(4).map(|p| [linear(p[0]), linear(p[1]), linear(p[2]), p[3]]);
     Ok((width, height, texels.collect()))
 }
 
 /// Decodes a PNG to premultiplied linear planes.
 pub(super) fn decode(input: &mut BufReader<File>) -> Result<Film, Failure> {
-    let (width, height, mut texels) = decode_texels(input, true)?;
+    Ok(premultiplied(decode_texels(input, true)?))
+}
+
+/// Texels with straight alpha as a film.
+pub(super) fn premultiplied((width, height, mut texels): Texels) -> Film {
     texels.par_iter_mut().for_each(|[rgb @ .., alpha]| rgb.iter_mut().for_each(|v| *v *= *alpha));
-    Ok(Film::from_premultiplied(width, height, &texels))
+    Film::from_premultiplied(width, height, &texels)
 }
 
 /// The `pelage.*` text chunks in front of the image data.

@@ -28,13 +28,13 @@ pub struct Panorama {
 }
 
 impl Panorama {
-    /// Reads an HDR, EXR or PNG file.
+    /// Reads an image file; of an EXR, `layer`, or the default one if that is empty.
     ///
     /// # Errors
     /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds
     /// values that are not finite; [`Error::Usage`] for an unknown extension.
-    pub fn load(path: &Path) -> Result<Self> {
-        let film = io::read_asset(path)?;
+    pub fn load(path: &Path, layer: &str) -> Result<Self> {
+        let film = io::read_asset(path, layer)?;
         Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
     }
 

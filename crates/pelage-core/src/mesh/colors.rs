@@ -5,8 +5,8 @@ use glam::Vec3;
 /// Brings colours that a text has as numbers to 0..=1, and says what it did.
 ///
 /// A program writes either 0..1 or 0..255. One value cannot tell: rounding gives 1.0001. They are
-/// taken as 0..255 if at least two values are 2 or more, and more of these than of fractions between
-/// 0 and 1. Values that are then too large are clamped.
+/// taken as 0..255 if at least two values are 2 or more, and more of these than of fractions
+/// between 0 and 1. Values that are then too large are clamped.
 pub(super) fn to_unit_range(colors: &mut [Vec3]) -> Option<String> {
     let values = || colors.iter().flat_map(|c| c.to_array());
     let largest = values().fold(0.0, f32::max);

@@ -54,7 +54,7 @@ pub fn parse(bytes: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
 }
 
 /// The checked document and the binary chunk.
-fn document_of<'a>(bytes: &'a [u8], file: &Path) -> Result<(json::Root, Option<Vec<u8>>)> {
+fn document_of(bytes: &[u8], file: &Path) -> Result<(json::Root, Option<Vec<u8>>)> {
     let fault = |message: String| Error::fault(file, message);
     let (text, blob) = if bytes.starts_with(b"glTF") {
         let version = bytes.get(4..8).map_or(0, |v| u32::from_le_bytes([v[0], v[1], v[2], v[3]]));
@@ -90,6 +90,13 @@ fn document_of<'a>(bytes: &'a [u8], file: &Path) -> Result<(json::Root, Option<V
     }
     // Other extensions concern materials, lights and textures, or the types of accessors.
     root.extensions_required.clear();
+    // The crate's own check takes these for granted.
+    let primitives = root.meshes.iter().flat_map(|m| &m.primitives);
+    let mut accessors = primitives.flat_map(|p| p.attributes.values());
+    if let Some(bad) = accessors.find(|a| a.value() >= root.accessors.len()) {
+        let (found, count) = (bad.value(), root.accessors.len());
+        return Err(fault(format!("a mesh names accessor {found}, expected less than {count}")));
+    }
     let mut faults = Vec::new();
     root.validate(&root, json::Path::new, &mut |path, error| {
         let path = path().to_string();

@@ -87,12 +87,12 @@ fn signed_volume(mesh: &Mesh, part: &[(usize, bool)]) -> f64 {
     part.iter().map(volume).sum()
 }
 
-/// An open part whose inwardness is at least this, of at most 1, has an inside: a half sphere has
-/// about 0.5. Below it the file's winding says which side is out.
-const ENCLOSED: f64 = 0.3;
+/// An open part whose inwardness is at least this, of at most 1, has an inside, as half of a sphere
+/// does. Below it, the file's winding says which side is out.
+const ENCLOSED: f64 = 0.4;
 
 /// Triangles at which the winding number is taken, and the number of solid angles at most.
-const SAMPLES: usize = 128;
+const SAMPLES: usize = 64;
 const MAX_ANGLES: usize = 1 << 28;
 
 /// How far an open part, with its triangles marked `true` turned over, is wound inwards: -1 for a

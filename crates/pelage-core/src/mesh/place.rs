@@ -74,9 +74,11 @@ fn scale_of(spec: &MeshSpec, source: &Source, side: f64) -> (f64, Option<String>
     let extra = spec.scale.map_or(1.0, f64::from);
     let given = spec.size.is_some() || spec.scale.is_some() || spec.units.is_some();
     let is_gltf = matches!(source.kind, Some(MeshKind::Gltf | MeshKind::Glb));
-    let unit = spec.units.or(if given { None } else { source.unit });
+    // Shapes are in cm.
+    let is_file = source.kind.is_some();
+    let unit = spec.units.filter(|_| is_file).or(if given { None } else { source.unit });
     let in_cm = unit.map_or(1.0, |unit| unit.cm());
-    if source.kind.is_some() && !given {
+    if is_file && !given {
         let length = side * in_cm;
         return match source.unit {
             Some(unit) if !is_gltf || METRES_CM.contains(&length) => {
@@ -98,7 +100,7 @@ fn scale_of(spec: &MeshSpec, source: &Source, side: f64) -> (f64, Option<String>
     }
     let scale = spec.size.map_or(in_cm, |size| f64::from(size) / side) * extra;
     let length = side * scale;
-    (scale, (source.kind.is_some() && !PLAUSIBLE_CM.contains(&length)).then(|| implausible(length)))
+    (scale, (is_file && !PLAUSIBLE_CM.contains(&length)).then(|| implausible(length)))
 }
 
 fn implausible(length: f64) -> String {
@@ -124,6 +126,7 @@ fn short(v: f64) -> String {
 /// mesh stands, else that of most such files.
 fn up_of(skin: &Skin, spec: &MeshSpec, source: &Source) -> (UpAxis, Option<String>) {
     let (kind, usual) = match (spec.up, source.kind) {
+        (_, None) => return (UpAxis::Y, None),
         (Some(up), _) => return (up, None),
         (None, Some(kind @ MeshKind::Stl)) => (kind, UpAxis::Z),
         (None, Some(kind @ MeshKind::Ply)) => (kind, UpAxis::Y),

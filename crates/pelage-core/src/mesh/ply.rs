@@ -28,10 +28,18 @@ pub fn parse(bytes: &[u8], file: &Path, limits: &Limits) -> Result<Mesh> {
         // The library's messages have several lines, the first of which says what is wrong.
         let first = text.lines().next().unwrap_or_default();
         let message = first.strip_prefix("Line ").and_then(|t| t.split_once(": ")).map_or(first, |(_, m)| m);
-        let detail = text.lines().skip(1).map(str::trim).find_map(|l| l.strip_prefix("Error: "));
-        let message = match detail.filter(|_| message.starts_with("Couldn't")) {
-            Some(detail) => format!("cannot be read as PLY: {message} {detail}"),
-            None => format!("cannot be read as PLY: {message}"),
+        let detail = |start: &str| {
+            let line = text.lines().skip(1).find_map(|l| l.trim().strip_prefix(start));
+            line.map(|l| l.chars().take(80).collect::<String>())
+        };
+        let message = match (message, detail("String: "), detail("Error: ")) {
+            ("Couldn't parse line.", Some(line), _) => {
+                format!("found the line {line} in the header of a PLY file")
+            }
+            (_, Some(line), Some(error)) if message.starts_with("Couldn't") => {
+                format!("found the line {line}: {error}")
+            }
+            _ => format!("cannot be read as PLY: {message}"),
         };
         Error::fault_at(file, e.line().unwrap_or(0), message)
     };

@@ -20,9 +20,9 @@ pub(super) fn standing(skin: &Skin) -> Option<UpAxis> {
     }
 }
 
-/// What a firm stance has at least, in the units of [`Stance`]. Of 13 scans and models, animals and
-/// toys, those that stand have margins of 0.09 to 0.34 and bases of 0.3 to 0.9; lying down they have
-/// -0.6 to 0.11.
+/// What a firm stance has at least, in the units of [`Stance`]. Of 13 scans and models of animals
+/// and toys, those that stand have margins of 0.09 to 0.34 and bases of 0.3 to 0.9; lying down,
+/// they have margins of -0.6 to 0.11.
 const MARGIN: f64 = 0.05;
 const BASE: f64 = 0.25;
 
@@ -31,8 +31,8 @@ const LOWEST: f64 = 0.05;
 
 #[derive(Clone, Copy)]
 struct Stance {
-    /// Distance of the centre of mass from the edge of the base, positive within it, relative to the
-    /// root of the outline's area.
+    /// Distance of the centre of mass from the edge of the base, positive within it, relative to
+    /// the root of the outline's area.
     margin: f64,
     /// Area of the base, relative to the outline's.
     base: f64,

@@ -11,7 +11,7 @@ pub struct Animation {
     /// Number of frames.
     #[schemars(range(min = 1, max = 100_000))]
     pub frames: u32,
-    /// Frames per second.
+    /// Frame rate, 1/s.
     #[schemars(range(min = 0.1, max = 1000.0))]
     pub fps: f32,
     /// Rotation of the camera about the axis `camera.up` through its target over all frames,

@@ -5,6 +5,8 @@ use super::model::*;
 impl Default for Camera {
     fn default() -> Self {
         Self {
+            frame: Framing::Given,
+            view: None,
             eye: [0.0, 6.0, 30.0],
             target: [0.0; 3],
             up: [0.0, 1.0, 0.0],
@@ -31,12 +33,13 @@ impl Default for Environment {
     fn default() -> Self {
         Self {
             map: String::new(),
+            layer: String::new(),
             lights: 16,
             intensity: 1.0,
             tint: [1.0; 3],
             rotate: 0.0,
             undercoat: true,
-            visible: false,
+            visible: true,
         }
     }
 }

@@ -61,8 +61,8 @@ pub struct FibreSpec {
     /// Chiang, medulla: index of refraction.
     #[schemars(range(min = 1.05, max = 2.5))]
     pub ior: f32,
-    /// Chiang, medulla: absorption of the cortex, RGB, per radius of the hair; by default derived
-    /// from the hair's colour.
+    /// Chiang, medulla: absorption of the cortex (RGB), 1/radius; by default derived from the hair's
+    /// colour.
     #[schemars(inner(range(min = 0.0, max = 1000.0)))]
     pub absorption: Option<[f32; 3]>,
     /// Medulla: the hair's interior and surface.
@@ -76,10 +76,10 @@ pub struct MedullaSpec {
     /// Radius of the medulla, relative to that of the hair.
     #[schemars(range(min = 0.0, max = 0.99))]
     pub radius: f32,
-    /// Scattering coefficient, per radius of the hair.
+    /// Scattering coefficient, 1/radius.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub scattering: f32,
-    /// Absorption coefficient, per radius of the hair.
+    /// Absorption coefficient, 1/radius.
     #[schemars(range(min = 0.0, max = 50.0))]
     pub absorption: f32,
     /// Mean cosine of the scattering angle.

@@ -6,17 +6,23 @@
 
 use super::{
     Scene, check, overrides, parts, preset, rules, schema,
-    tree::{Node, Sources, Value},
+    tree::{Entry, Node, Sources, Table, Value},
 };
 use crate::assets::Assets;
-use crate::mesh;
-use crate::{Error, Result, SceneFault};
+use crate::{Error, Result, SceneFault, mesh};
 use serde::Deserialize;
 use serde_json::Value as Json;
 use std::path::{Path, PathBuf};
 
 /// Largest number of included files: a bound on chains that double at each step.
 const MAX_FILES: usize = 64;
+
+/// Vertical field of view of a camera that frames the fur by itself, degrees: about that of an 85 mm
+/// lens on 35 mm film held upright.
+const PORTRAIT_FOV: f64 = 20.0;
+
+/// The preset of a mesh that comes without a scene.
+pub const DEFAULT_PRESET: &str = "brown_mink";
 
 /// A value from the command line that overrides the scene file.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,7 +53,8 @@ impl Override {
 
 impl Scene {
     /// Loads a scene file, its includes and its preset, applies `overrides` (`key.path=value`), and
-    /// checks that every file that the scene names exists.
+    /// checks that every file that the scene names exists. A mesh file stands for the scene of that
+    /// mesh in [`DEFAULT_PRESET`].
     ///
     /// # Errors
     /// [`Error::Scene`] with all faults of all files, each with its position.
@@ -60,24 +67,10 @@ impl Scene {
     /// # Errors
     /// As [`Scene::load`].
     pub fn load_with(path: &Path, overrides: &[Override]) -> Result<(Self, Assets)> {
-        let text = std::fs::read(path).map_err(|e| {
-            Error::fault(path, format!("cannot read the scene file: {e}; example scenes are in scenes/"))
-        })?;
-        let head = &text[..text.len().min(1 << 16)];
-        if let Some(kind) = mesh::kind_of_content(head, text.len() as u64, path) {
-            return Err(Error::Scene(vec![SceneFault {
-                file: path.to_owned(),
-                line: 0,
-                column: 0,
-                message: format!("this is {}, expected a scene file in TOML", kind.mesh()),
-                help: Some(format!("write a scene that names it: [mesh] path = \"{}\"", short(path))),
-            }]));
-        }
-        let text = String::from_utf8(text).map_err(|e| {
-            let line =
-                e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
-            Error::fault_at(path, line, "not UTF-8 text, expected a scene file in TOML")
-        })?;
+        let text = match mesh::kind_of(path) {
+            Some(_) => scene_of_mesh(path),
+            None => read_text(path)?,
+        };
         let mut loader = Loader::default();
         let (scene, tree, mut faults) = loader.scene(path, &text, overrides)?;
         let mut assets = Assets::of_folder(folder_of(path));
@@ -105,6 +98,26 @@ impl Scene {
         let (scene, _, faults) = loader.scene(Path::new(name), text, &parse_all(overrides)?)?;
         loader.finish(scene, faults)
     }
+}
+
+fn read_text(path: &Path) -> Result<String> {
+    let text = std::fs::read(path).map_err(|e| {
+        let why = match e.kind() {
+            std::io::ErrorKind::NotFound => "the file is not there".to_owned(),
+            _ => format!("cannot be read: {e}"),
+        };
+        Error::fault(path, format!("{why}; expected a scene or a mesh (example scenes are in scenes/)"))
+    })?;
+    String::from_utf8(text).map_err(|e| {
+        let line = e.as_bytes()[..e.utf8_error().valid_up_to()].iter().filter(|b| **b == b'\n').count() + 1;
+        Error::fault_at(path, line, "not UTF-8 text, expected a scene file in TOML")
+    })
+}
+
+/// The scene of a mesh alone.
+fn scene_of_mesh(path: &Path) -> String {
+    let name = toml::Value::String(short(path));
+    format!("preset = \"{DEFAULT_PRESET}\"\n[mesh]\npath = {name}\nfront = \"auto\"\n")
 }
 
 fn parse_all(overrides: &[String]) -> Result<Vec<Override>> {
@@ -148,6 +161,7 @@ impl Loader {
             self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
         }
         self.parts(&mut tree);
+        self.frame(&mut tree);
         let (tree, found) = check::check(&self.sources, tree);
         let found = parts::once(found);
         let mut faults = std::mem::take(&mut self.faults);
@@ -157,6 +171,8 @@ impl Loader {
         parts::locate(&mut scene, &tree, &self.sources);
         faults.extend(rules::broken(&scene, &tree, &self.sources, &found));
         faults.extend(found.into_iter().map(|(_, fault)| fault));
+        scene.schema = None;
+        scene.scale_groom();
         Ok((scene, tree, faults))
     }
 
@@ -223,6 +239,23 @@ impl Loader {
                 self.faults.push(fault);
                 None
             }
+        }
+    }
+
+    /// A camera without position and target frames the fur, through a portrait lens unless `fov` is
+    /// given.
+    fn frame(&mut self, tree: &mut Node) {
+        let origin = self.sources.add("camera", None);
+        let chosen = |value| Entry { key: origin.clone(), node: Node { origin: origin.clone(), value } };
+        let Some(root) = tree.as_table_mut() else { return };
+        let camera = root.entry("camera".into()).or_insert_with(|| chosen(Value::Table(Table::new())));
+        // The schema check reports a camera that is no table.
+        let Some(camera) = camera.node.as_table_mut() else { return };
+        let frame =
+            if camera.contains_key("eye") || camera.contains_key("target") { "given" } else { "auto" };
+        let frame = camera.entry("frame".into()).or_insert_with(|| chosen(Value::String(frame.into())));
+        if matches!(&frame.node.value, Value::String(frame) if frame == "auto") {
+            camera.entry("fov".into()).or_insert_with(|| chosen(Value::Float(PORTRAIT_FOV)));
         }
     }
 

@@ -5,6 +5,7 @@
 
 pub use super::animation::*;
 pub use super::fibre::*;
+pub use super::groom::*;
 pub use super::output::*;
 pub use super::part::*;
 pub use super::shellfin::*;
@@ -15,6 +16,10 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(deny_unknown_fields, default)]
 pub struct Scene {
+    /// The JSON schema that an editor checks this file against; not read. `None` once a scene is
+    /// loaded.
+    #[serde(rename = "$schema", skip_serializing)]
+    pub schema: Option<String>,
     /// Scene files, relative to this one, whose values this file overrides; a later one overrides
     /// an earlier one. Empty once a scene is loaded.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -25,12 +30,16 @@ pub struct Scene {
     pub mesh: MeshSpec,
     /// The camera.
     pub camera: Camera,
-    /// Directional lights.
+    /// Directional lights; with those of the environment at most 64.
+    #[schemars(length(max = 64))]
     pub lights: Vec<DirectionalLight>,
     /// Image-based light, converted to directional lights.
     pub environment: Option<Environment>,
     /// Material of the skin.
     pub base: BaseMaterial,
+    /// The coat as a whole.
+    #[serde(skip_serializing_if = "GroomSpec::is_one")]
+    pub groom: GroomSpec,
     /// Guard hairs.
     pub guard: Guard,
     /// Undercoat.
@@ -69,6 +78,10 @@ pub enum Scalar {
 pub struct ScalarMap {
     /// An image file, or `vertex_color`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    #[serde(default)]
+    pub layer: String,
     /// Which channel is read.
     #[serde(default)]
     pub channel: Channel,
@@ -111,6 +124,10 @@ pub enum Color {
 pub struct ColorMap {
     /// An image file, or `vertex_color`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    #[serde(default)]
+    pub layer: String,
     /// Factor on the texel.
     #[serde(default = "white")]
     #[schemars(inner(range(min = 0.0)))]
@@ -169,10 +186,11 @@ pub struct MeshSpec {
     /// 30 cm long.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub size: Option<f32>,
-    /// Unit of the file's numbers; where `scale` alone is given, cm.
+    /// Unit of the file's numbers; where `scale` alone is given, cm. Shapes are in cm.
     pub units: Option<Units>,
     /// Axis that points upwards in the file, turned to +y. By default +y; in PLY and STL files,
-    /// which do not say, +y or +z by how the mesh stands, else +y for PLY and +z for STL.
+    /// which do not say, +y or +z by how the mesh stands, else +y for PLY and +z for STL. Shapes
+    /// have +y.
     pub up: Option<UpAxis>,
     /// How vertex colours are encoded; by default those of PLY files with integers are sRGB, all
     /// others linear.
@@ -186,8 +204,16 @@ pub struct MeshSpec {
     pub translate: [f32; 3],
     /// Move the centre of the bounding box to the origin first.
     pub center: bool,
+    /// Where the body faces, in world space. The comb directions of a coat are written for a body
+    /// that faces -z, and turn with it; by default they stay as they are.
+    pub front: Option<Front>,
     /// Report faults of the mesh as errors instead of repairing them.
     pub strict: bool,
+    /// How often each triangle is divided into four at the middles of its edges; the surface stays
+    /// the same. Heights and colours of the undercoat are read at points of the mesh, so maps with
+    /// more detail than it has triangles need this.
+    #[schemars(range(min = 0, max = 6))]
+    pub subdivide: u32,
     /// Flat shading, to inspect the mesh: triangles share no vertices and have their own normals.
     /// Fur would part along every edge.
     pub faceted: bool,
@@ -252,6 +278,35 @@ pub enum ColorSpace {
     Srgb,
 }
 
+/// The direction in which a body faces, in world space.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+pub enum Front {
+    /// Guessed: along its longer horizontal side, towards the higher end.
+    #[serde(rename = "auto")]
+    Auto,
+    /// +x.
+    #[serde(rename = "x")]
+    X,
+    /// -x.
+    #[serde(rename = "-x")]
+    NegativeX,
+    /// +z.
+    #[serde(rename = "z")]
+    Z,
+    /// -z.
+    #[serde(rename = "-z")]
+    NegativeZ,
+}
+
+impl MeshSpec {
+    /// Name of the object: the file without folder and extension, or the shape.
+    pub fn name(&self) -> String {
+        let stem = self.path.as_deref().and_then(|path| std::path::Path::new(path).file_stem());
+        let shape = || toml::Value::try_from(self.shape?).ok()?.as_str().map(str::to_owned);
+        stem.map(|stem| stem.to_string_lossy().into_owned()).or_else(shape).unwrap_or_else(|| "fur".into())
+    }
+}
+
 /// Built-in shapes. Sizes in cm.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "snake_case")]
@@ -278,13 +333,20 @@ pub enum Shape {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Camera {
+    /// Whether position and target are given or chosen from the skin; by default chosen if neither
+    /// `eye` nor `target` is given.
+    pub frame: Framing,
+    /// Where the camera stands if `frame = "auto"`: azimuth about +y, from +z towards +x, and
+    /// elevation, degrees; by default three-quarters from the front, a little from above.
+    #[schemars(inner(range(min = -360.0, max = 360.0)))]
+    pub view: Option<[f32; 2]>,
     /// Position of the camera, cm.
     pub eye: [f32; 3],
     /// The point that the camera looks at, cm.
     pub target: [f32; 3],
     /// Up direction.
     pub up: [f32; 3],
-    /// Vertical field of view, degrees.
+    /// Vertical field of view, degrees; 20, that of a portrait lens, if `frame = "auto"`.
     #[schemars(extend("exclusiveMinimum" = 0, "exclusiveMaximum" = 180))]
     pub fov: f32,
     /// Distance of the near plane, cm.
@@ -292,6 +354,17 @@ pub struct Camera {
     pub near: f32,
     /// Depth of field, if any.
     pub lens: Option<Lens>,
+}
+
+/// How the camera's position and target are found.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum Framing {
+    /// By `eye` and `target`.
+    #[default]
+    Given,
+    /// So that the whole fur is in the picture, seen from the direction `view`.
+    Auto,
 }
 
 /// Depth of field.
@@ -335,15 +408,18 @@ pub struct DirectionalLight {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
-    /// HDR or EXR file; empty for a uniform sky of colour `tint`.
+    /// Image file (HDR or EXR for more than 0..1); empty for a uniform sky of colour `tint`.
     pub map: String,
+    /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
+    /// the first layer.
+    pub layer: String,
     /// Number of directional lights that it is converted to, 1..=64.
     #[schemars(range(min = 1, max = 64))]
     pub lights: u32,
     /// Factor on the radiance.
     #[schemars(range(min = 0.0))]
     pub intensity: f32,
-    /// Colour factor on the radiance.
+    /// Colour factor on the radiance, linear RGB.
     #[schemars(inner(range(min = 0.0)))]
     pub tint: [f32; 3],
     /// Rotation about +y, degrees.
@@ -366,7 +442,7 @@ pub struct BaseMaterial {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Guard {
-    /// Hairs/cm².
+    /// Density, hairs/cm².
     #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Length, cm.
@@ -395,25 +471,25 @@ pub struct Guard {
     /// Comb strength: tangent of the lean; 0: upright.
     #[schemars(extend("minimum" = 0))]
     pub comb: Scalar,
-    /// Random lean of each hair, degrees (standard deviation of the cone).
+    /// Random lean of each hair (standard deviation of the cone), degrees.
     #[schemars(range(min = 0.0, max = 90.0))]
     pub spread: f32,
     /// Pull of the tips towards clump centres, 0..1.
     #[schemars(extend("minimum" = 0, "maximum" = 1))]
     pub clump: Scalar,
-    /// Clump centres/cm².
+    /// Density of clump centres, 1/cm².
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub clump_density: f32,
     /// Curl radius, cm.
     #[schemars(extend("minimum" = 0))]
     pub curl: Scalar,
-    /// Curl turns per cm.
+    /// Turns of the curl, 1/cm.
     #[schemars(range(min = 0.0))]
     pub curl_frequency: f32,
     /// Frizz amplitude, cm.
     #[schemars(extend("minimum" = 0))]
     pub frizz: Scalar,
-    /// Frizz bends per cm.
+    /// Bends of the frizz, 1/cm.
     #[schemars(range(min = 0.0))]
     pub frizz_frequency: f32,
     /// Colour at the root.
@@ -445,7 +521,7 @@ pub struct Guard {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Undercoat {
-    /// Hairs/cm².
+    /// Density, hairs/cm².
     #[schemars(extend("minimum" = 0))]
     pub density: Scalar,
     /// Diameter at root and tip, µm.
@@ -465,16 +541,16 @@ pub struct Undercoat {
     pub cell: f32,
     /// Domain of the noise.
     pub noise_domain: NoiseDomain,
-    /// Clump noise: bumps per cm.
+    /// Bumps of the clump noise, 1/cm.
     #[schemars(range(min = 0.0))]
     pub noise_frequency: f32,
-    /// Clump noise: contrast 0..1.
+    /// Contrast of the clump noise, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub noise_contrast: f32,
     /// Spread of the hairs' height, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub height_variation: f32,
-    /// Height noise: bumps per cm.
+    /// Bumps of the height noise, 1/cm.
     #[schemars(range(min = 0.0))]
     pub height_frequency: f32,
     /// Jitter of the noise lookup, growing towards the tips, cm.
@@ -501,7 +577,7 @@ pub struct Undercoat {
     pub forward_scattering: f32,
     /// Whether densities are stored or evaluated.
     pub storage: Storage,
-    /// Step of the march in mean free paths of the densest undercoat.
+    /// Step of the march, mean free paths (of the densest undercoat).
     #[schemars(extend("exclusiveMinimum" = 0, "maximum" = 10))]
     pub step: f32,
 }
@@ -510,7 +586,8 @@ pub struct Undercoat {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum NoiseDomain {
-    /// 3D simplex noise on the skin's positions: no seams, no uv needed.
+    /// 3D simplex noise on the skin's positions, relative to `mesh.translate`: no seams, no uv
+    /// needed.
     #[default]
     Object,
     /// 2D simplex noise on uv as in Andersen et al. 2016 (needs uv; frequencies are per uv unit).

@@ -26,7 +26,7 @@ pub struct FilmSpec {
     /// Background colour, linear RGB.
     #[schemars(inner(range(min = 0.0)))]
     pub background_color: [f32; 3],
-    /// Background plate (PNG, HDR or EXR), scaled to cover the film.
+    /// Background plate (any image file that is read as a map), scaled to cover the film.
     pub plate: String,
     /// Exposure, stops.
     #[schemars(range(min = -32.0, max = 32.0))]
@@ -102,7 +102,7 @@ pub struct RenderSpec {
     pub light: LightLookup,
     /// Seed of all random numbers.
     pub seed: u32,
-    /// Edge of a tile in samples; by default chosen from the memory budget.
+    /// Edge of a tile, samples; by default chosen from the memory budget.
     #[schemars(range(min = 8, max = 32768))]
     pub tile: Option<u32>,
     /// GPU memory budget, bytes.
@@ -131,11 +131,12 @@ pub enum FurLayers {
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
 #[serde(rename_all = "snake_case")]
 pub enum Blend {
-    /// Andersen et al. 2016, eq. (4).
+    /// One fragment of undercoat on a ray, weaker for the hairs behind it: Andersen et al. 2016,
+    /// eq. (4).
     Simplified,
-    /// Virtual fragments.
+    /// The undercoat on a ray is cut into virtual fragments, which are sorted with the hairs.
     Virtual,
-    /// Marching between the sorted fragments.
+    /// The undercoat is marched between the sorted hairs: the limit of `virtual`.
     #[default]
     Exact,
 }

@@ -1,5 +1,6 @@
 //! Groom presets that are part of the program: `presets/*.toml`, with the tables `guard`,
-//! `undercoat` and `base`.
+//! `undercoat` and `base`. The first line of a file is a comment that describes the fur; the next
+//! ones name the source of its numbers.
 
 const PRESETS: &[(&str, &str)] = &[
     ("arctic_fox", include_str!("../../../../presets/arctic_fox.toml")),
@@ -20,4 +21,9 @@ pub fn names() -> impl Iterator<Item = &'static str> {
 /// The TOML text of a preset.
 pub fn text(name: &str) -> Option<&'static str> {
     PRESETS.iter().find(|(n, _)| *n == name).map(|(_, text)| *text)
+}
+
+/// What a preset is: the first line of its file.
+pub fn about(name: &str) -> Option<&'static str> {
+    text(name)?.lines().next()?.strip_prefix("# ")
 }

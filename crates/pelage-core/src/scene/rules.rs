@@ -1,11 +1,12 @@
 //! Rules beyond types and ranges: values that depend on each other, and files that must exist.
 
 use super::{
-    Background, Scene, check,
-    tree::{Node, Sources, Value},
+    Background, Camera, Framing, Scene, check,
+    tree::{ESCAPE_HELP, Node, Sources, Value},
 };
 use crate::SceneFault;
 use crate::assets::Assets;
+use crate::light;
 use glam::Vec3;
 
 /// A broken rule: the keys that it concerns (the first gives the position), what is wrong, what to
@@ -73,6 +74,26 @@ fn relations(scene: &Scene) -> Vec<Broken> {
     let camera = &scene.camera;
     let view = Vec3::from(camera.target) - Vec3::from(camera.eye);
     let up = Vec3::from(camera.up);
+    let auto = camera.frame == Framing::Auto;
+    let defaults = Camera::default();
+    rule(
+        !auto || (camera.eye == defaults.eye && camera.target == defaults.target),
+        &["camera.frame", "camera.eye", "camera.target"],
+        "camera: frame = \"auto\" chooses eye and target, but one of them is given",
+        "leave out either frame, or eye and target; camera.view chooses the side from which it looks",
+    );
+    rule(
+        auto || camera.view.is_none(),
+        &["camera.view"],
+        "camera.view: found beside eye or target, expected frame = \"auto\"",
+        "leave out eye and target, or view",
+    );
+    rule(
+        !auto || camera.view.is_none_or(|v| v[1].abs() <= 89.0),
+        &["camera.view"],
+        "camera.view: the elevation is more than 89 degrees above or below the horizon",
+        "give [azimuth, elevation] in degrees",
+    );
     rule(
         view.length() > 0.0,
         &["camera.target", "camera.eye"],
@@ -80,7 +101,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "move one of them",
     );
     rule(
-        view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
+        auto || view.length() == 0.0 || view.normalize().cross(up.normalize_or_zero()).length() > 1e-4,
         &["camera.up", "camera.eye", "camera.target"],
         "camera: up is zero or parallel to the viewing direction",
         "choose another up, e.g. [0, 0, 1]",
@@ -90,7 +111,7 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         film.background != Background::Plate || !film.plate.is_empty(),
         &["film.background", "film.plate"],
         "film: background = \"plate\" but film.plate names no image",
-        "set film.plate to a PNG, HDR or EXR file",
+        "set film.plate to an image file",
     );
     rule(
         film.background != Background::Environment || scene.environment.is_some(),
@@ -99,10 +120,24 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "add an [environment] table",
     );
     rule(
+        film.background != Background::Environment || scene.environment.as_ref().is_none_or(|e| e.visible),
+        &["environment.visible", "film.background"],
+        "environment: visible = false but film.background is \"environment\"",
+        "leave visible out, or choose another background",
+    );
+    rule(
         u64::from(film.width) * u64::from(film.height) <= 1 << 29,
         &["film.width", "film.height"],
         "film: found more than 536,870,912 pixels",
         "render parts of it with --cropwindow at a smaller size",
+    );
+    let (given, made) = light::asked(scene);
+    let key = if given > light::MAX_LIGHTS { "lights" } else { "environment.lights" };
+    rule(
+        given.saturating_add(made) <= light::MAX_LIGHTS,
+        &[key, "lights", "environment"],
+        &light::too_many(given, made),
+        "remove the weakest lights, or lower environment.lights",
     );
     let motion = &scene.animation.motion;
     rule(
@@ -129,8 +164,11 @@ pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> 
     let missing = named.into_iter().filter(|(_, _, name)| assets.find(name).is_err());
     let faults = missing
         .map(|(path, node, name)| {
-            let message = format!("{path}: the file \"{name}\" is not there");
-            (path, sources.fault(&node.origin, message, Some(assets.advice())))
+            let message = format!("{path}: the file {name:?} is not there");
+            // "meshes\new.obj" is valid TOML, with a line break in the name.
+            let escaped = name.chars().any(char::is_control);
+            let help = if escaped { ESCAPE_HELP.to_owned() } else { assets.advice() };
+            (path, sources.fault(&node.origin, message, Some(help)))
         })
         .collect();
     super::parts::once(faults).into_iter().map(|(_, fault)| fault).collect()

@@ -81,10 +81,10 @@ pub struct BakeSpec {
     /// Layers, 1..=128, innermost first.
     #[schemars(range(min = 1, max = 128))]
     pub layers: u32,
-    /// Texels of a layer along u and v.
+    /// Size of a layer along u and v, texels.
     #[schemars(inner(range(min = 4, max = 4096)))]
     pub resolution: [u32; 2],
-    /// Texels of the fin along the edge and upwards.
+    /// Size of the fin along the edge and upwards, texels.
     #[schemars(inner(range(min = 4, max = 4096)))]
     pub fin_resolution: [u32; 2],
     /// Edge of the torus that the texture covers, cm; by default 1 cm for `hybrid`, otherwise a
@@ -273,7 +273,8 @@ pub struct Shells {
     /// Coverage grows with the length of the view ray within a layer and with its angle to the
     /// hairs; false: the texture's coverage from every direction, as in the first works on shells.
     pub slanted: bool,
-    /// Number of shells drawn, from the skin outwards; by default all of the textures.
+    /// Number of shells drawn; by default one for each layer of the textures. Fewer: the inner ones,
+    /// from the skin outwards. More: the same fur in thinner layers.
     #[schemars(range(min = 1, max = 128))]
     pub layers: Option<u32>,
     /// Distance between shells, cm; by default that of the textures.
@@ -367,19 +368,19 @@ pub enum ShellLighting {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct LightingTable {
-    /// K_a.
+    /// Ambient term K_a.
     #[schemars(range(min = 0.0))]
     pub ambient: f32,
-    /// K_d.
+    /// Weight of the diffuse term, K_d.
     #[schemars(range(min = 0.0))]
     pub diffuse: f32,
-    /// P_d.
+    /// Exponent of the diffuse term, P_d.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub diffuse_exponent: f32,
-    /// K_s.
+    /// Weight of the specular term, K_s.
     #[schemars(range(min = 0.0))]
     pub specular: f32,
-    /// P_s.
+    /// Exponent of the specular term, P_s.
     #[schemars(extend("exclusiveMinimum" = 0))]
     pub specular_exponent: f32,
     /// Brightness of the innermost layer, relative to the outermost.
@@ -455,7 +456,7 @@ pub struct Dynamics {
     /// Share of the wind that varies in gusts, 0..1.
     #[schemars(range(min = 0.0, max = 1.0))]
     pub gust: f32,
-    /// Gusts per second.
+    /// Frequency of the gusts, 1/s.
     #[schemars(range(min = 0.0, max = 30.0))]
     pub gust_frequency: f32,
     /// Stiffness per mass k/m, 1/s².

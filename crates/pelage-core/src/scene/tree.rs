@@ -86,7 +86,8 @@ impl Sources {
         }
         let fault = |e: &toml::de::Error| {
             let place = Origin { span: e.span(), ..origin.clone() };
-            self.fault(&place, format!("not valid TOML: {}", one_line(e.message())), None)
+            let help = escape_help(text, e.span());
+            self.fault(&place, format!("not valid TOML: {}", one_line(e.message())), help)
         };
         Err(errors.iter().map(fault).collect())
     }
@@ -216,6 +217,18 @@ impl Node {
         }
     }
 }
+
+/// What to do about a backslash at `span` of a TOML text, or just before it.
+fn escape_help(text: &str, span: Option<Range<usize>>) -> Option<String> {
+    let span = span?;
+    let first = span.start.saturating_sub(1);
+    let around = text.as_bytes().get(first..span.end.max(span.start + 1).min(text.len()))?;
+    around.contains(&b'\\').then(|| ESCAPE_HELP.to_owned())
+}
+
+/// What to do where a backslash in a file name was read as the beginning of an escape.
+pub(super) const ESCAPE_HELP: &str =
+    "in double quotes \\ begins an escape: write / between folders, or put the name in single quotes";
 
 fn one_line(message: &str) -> String {
     message.split('\n').map(str::trim).collect::<Vec<_>>().join("; ")

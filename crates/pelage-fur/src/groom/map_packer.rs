@@ -25,21 +25,22 @@ impl<'a> MapPacker<'a> {
         Self { maps, texels: Vec::new(), bases: Vec::new(), uv }
     }
 
-    /// Source, first texel and size of the map called `name`, read as a colour or as a scalar.
-    fn source(&mut self, name: &str, color: bool) -> (u32, u32, [u32; 2]) {
+    /// Source, first texel and size of `layer` of the map called `name`, read as a colour or as a scalar.
+    fn source(&mut self, name: &str, layer: &str, color: bool) -> (u32, u32, [u32; 2]) {
         if name == VERTEX_COLOR {
             return (1, 0, [1, 1]);
         }
-        let Some(index) = self.maps.index_of(name, color) else {
+        let Some(index) = self.maps.index_of(name, layer, color) else {
             return (0, 0, [1, 1]);
         };
         let image = &self.maps.images[index];
         let known = self.bases.iter().find(|(i, _)| *i == index).map(|(_, base)| *base);
         let base = known.unwrap_or_else(|| {
             let base = self.texels.len() as u32;
-            let half = |a: f32, b: f32| {
-                u32::from(f16::from_f32(a).to_bits()) | (u32::from(f16::from_f32(b).to_bits()) << 16)
-            };
+            // Texels beyond the range of half stay finite.
+            let limit = f16::MAX.to_f32();
+            let bits = |v: f32| u32::from(f16::from_f32(v.clamp(-limit, limit)).to_bits());
+            let half = |a: f32, b: f32| bits(a) | (bits(b) << 16);
             self.texels.extend(image.texels.iter().map(|t| [half(t[0], t[1]), half(t[2], t[3])]));
             self.bases.push((index, base));
             base
@@ -51,9 +52,12 @@ impl<'a> MapPacker<'a> {
     pub fn scalar(&mut self, scalar: &Scalar) -> Parameter {
         match scalar {
             Scalar::Constant(v) => constant(*v),
-            Scalar::Mapped(m) => {
-                parameter([m.value; 4], self.source(&m.map, false), m.offset, m.channel.index() as u32)
-            }
+            Scalar::Mapped(m) => parameter(
+                [m.value; 4],
+                self.source(&m.map, &m.layer, false),
+                m.offset,
+                m.channel.index() as u32,
+            ),
         }
     }
 
@@ -63,7 +67,7 @@ impl<'a> MapPacker<'a> {
             Color::Constant([r, g, b]) => parameter([*r, *g, *b, 1.0], (0, 0, [1, 1]), 0.0, 0),
             Color::Mapped(m) => {
                 let [r, g, b] = m.value;
-                parameter([r, g, b, 1.0], self.source(&m.map, true), 0.0, 0)
+                parameter([r, g, b, 1.0], self.source(&m.map, &m.layer, true), 0.0, 0)
             }
         }
     }

@@ -2,6 +2,7 @@
 //! adds depth, normal and radiance.
 // Source: [Andersen2016] table 1, which rasterises the base mesh.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::kernel::Target;
 use pelage_gpu::recorder::RasterTargets;
@@ -14,14 +15,14 @@ pub struct BaseRaster {
 }
 
 impl BaseRaster {
-    /// Compiles the kernels.
+    /// Compiles the kernels of a variant.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
             raster: RasterKernel::new(gpu, "base_raster", "vertex", "fragment", Target::TriangleIds)?,
-            shade: Kernel::new(gpu, "base_raster", "shade")?,
+            shade: Kernel::specialised(gpu, "base_raster", "shade", &[variant.features()])?,
         })
     }
 
@@ -29,7 +30,7 @@ impl BaseRaster {
     /// tile.
     ///
     /// In scope: `frame`, `shell_vertices`, `prisms`, `fur`, `base_light`, `triangle_ids` (the
-    /// colour target), `base_records`.
+    /// colour target), `base_records`, `columns`, `samples`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,5 +1,6 @@
 //! Step 7: film samples to pixels, by a separable reconstruction filter summed in a fixed order.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -9,12 +10,12 @@ pub struct Film {
 }
 
 impl Film {
-    /// Compiles the kernel.
+    /// Compiles the kernel of a variant.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "film", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self { main: Kernel::specialised(gpu, "film", "main", &[variant.features()])? })
     }
 
     /// Filters the samples of a tile into its `pixels` pixels; from the second pass over the image

@@ -1,6 +1,7 @@
 //! Step 6: analytic coverage of the guard hairs' camera-facing ribbons, one invocation per segment.
 // [Andersen2016] draws quads; analytic coverage in compute is ours.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -10,12 +11,12 @@ pub struct GuardRaster {
 }
 
 impl GuardRaster {
-    /// Compiles the kernel.
+    /// Compiles the kernel of a variant.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "guard_raster", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self { main: Kernel::specialised(gpu, "guard_raster", "main", &[variant.features()])? })
     }
 
     /// Adds the fragments of the `strands` strands of a bin, of `segments` segments each, to

@@ -24,7 +24,7 @@ impl HairRoots {
         })
     }
 
-    /// Writes the number of roots of each of the `triangles` triangles of `root_range` to
+    /// Writes the number of roots of each of the `parts` parts of triangles of `root_range` to
     /// `root_counts`.
     ///
     /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`,
@@ -32,11 +32,11 @@ impl HairRoots {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.
-    pub fn record_count(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, triangles: u32) -> Result<()> {
-        recorder.dispatch(&self.count, scope, u64::from(triangles))
+    pub fn record_count(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, parts: u32) -> Result<()> {
+        recorder.dispatch(&self.count, scope, u64::from(parts))
     }
 
-    /// Writes the roots of the `triangles` triangles of `root_range` to `roots`, each triangle's
+    /// Writes the roots of the `parts` parts of triangles of `root_range` to `roots`, each part's
     /// from its entry of `first_roots`.
     ///
     /// In scope: `root_range`, `groom`, `maps_and_tables`, `shell_vertices`, `prisms`, `corner_uv`,
@@ -44,7 +44,7 @@ impl HairRoots {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.
-    pub fn record_emit(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, triangles: u32) -> Result<()> {
-        recorder.dispatch(&self.emit, scope, u64::from(triangles))
+    pub fn record_emit(&self, recorder: &mut Recorder<'_>, scope: &Scope<'_>, parts: u32) -> Result<()> {
+        recorder.dispatch(&self.emit, scope, u64::from(parts))
     }
 }

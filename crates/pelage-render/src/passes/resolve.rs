@@ -3,12 +3,14 @@
 
 use super::Variant;
 use pelage_core::Result;
-use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
+use pelage_fur::layout::SortRun;
+use pelage_gpu::{Buffer, Gpu, Kernel, Recorder, Scope};
 
 /// The kernels of `resolve`.
 pub struct Resolve {
     exact: Kernel,
     blend_fragments: Kernel,
+    merge_runs: Kernel,
 }
 
 impl Resolve {
@@ -21,6 +23,7 @@ impl Resolve {
         Ok(Self {
             exact: Kernel::specialised(gpu, "resolve", "exact", &constants)?,
             blend_fragments: Kernel::specialised(gpu, "resolve", "blend_fragments", &constants)?,
+            merge_runs: Kernel::specialised(gpu, "resolve", "merge_runs", &constants)?,
         })
     }
 
@@ -41,5 +44,33 @@ impl Resolve {
         exact: bool,
     ) -> Result<()> {
         recorder.dispatch(if exact { &self.exact } else { &self.blend_fragments }, scope, samples)
+    }
+
+    /// Sorts the lists of `samples` samples, of which the longest has `longest` fragments, in order
+    /// of depth. A frame of which [`FLAG_SORTED_LISTS`](pelage_fur::camera::FLAG_SORTED_LISTS) is
+    /// set then lets [`Resolve::record`] read them in fewer rounds. Returns the buffers that must
+    /// live until the recording is submitted.
+    ///
+    /// In scope: `frame`, `lists_to_sort`, which are `fragment_lists`.
+    ///
+    /// # Errors
+    /// [`pelage_core::Error::Gpu`] if a name is not in scope.
+    pub fn record_sort(
+        &self,
+        gpu: &Gpu,
+        recorder: &mut Recorder<'_>,
+        scope: &Scope<'_>,
+        samples: u64,
+        longest: u64,
+    ) -> Result<Vec<Buffer>> {
+        (0..32)
+            .map(|digit| 1u32 << digit)
+            .take_while(|length| u64::from(*length) < longest)
+            .map(|length| {
+                let run = gpu.uniform("sort_run", &SortRun { length })?;
+                recorder.dispatch(&self.merge_runs, &scope.with(&[&run]), samples)?;
+                Ok(run)
+            })
+            .collect()
     }
 }

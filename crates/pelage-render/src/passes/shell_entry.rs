@@ -2,6 +2,7 @@
 //! border of an open skin.
 // Source: [Andersen2016] sec. 3.2; the walls are ours.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::kernel::Target;
 use pelage_gpu::recorder::RasterTargets;
@@ -14,15 +15,16 @@ pub struct ShellEntry {
 }
 
 impl ShellEntry {
-    /// Compiles the kernels.
+    /// Compiles the kernels of a variant.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self {
-            top: RasterKernel::new(gpu, "shell_entry", "top", "fragment", Target::Records)?,
-            wall: RasterKernel::new(gpu, "shell_entry", "wall", "fragment", Target::Records)?,
-        })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        let kernel = |vertex| {
+            let (stages, constants) = ([vertex, "fragment"], [variant.features()]);
+            RasterKernel::specialised(gpu, "shell_entry", stages, Target::Records, &constants)
+        };
+        Ok(Self { top: kernel("top")?, wall: kernel("wall")? })
     }
 
     /// Adds the entries through the tops of `triangles` prisms and through `walls` border walls to

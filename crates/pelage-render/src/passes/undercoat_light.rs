@@ -25,7 +25,7 @@ impl UndercoatLight {
     /// submitted.
     ///
     /// In scope: `frame`, `fur`, `lights`, `shell_vertices`, `prisms`, `columns`,
-    /// `lattice_extinction`, `tau`.
+    /// `lattice_extinction`, `tau`, `light_counters`.
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a name is not in scope.

@@ -1,8 +1,9 @@
 //! Size and columns of the optical-depth lattice.
 
-use pelage_core::{Skin, World};
+use pelage_core::{Result, Skin, World};
 use pelage_fur::groom;
 use pelage_fur::layout::{Column, UndercoatParameters};
+use pelage_fur::surface::number_edges;
 
 /// Size of the optical-depth lattice.
 pub(super) struct Lattice {
@@ -12,6 +13,26 @@ pub(super) struct Lattice {
     pub levels: u32,
     /// Height of the top in shell heights.
     pub reach: f32,
+}
+
+/// Estimated bytes of the optical-depth lattice of `world` on an adapter with storage bindings of
+/// 128 MiB: columns, extinction, optical depths, and the light at the nodes.
+///
+/// # Errors
+/// As [`groom::pack`].
+pub fn lattice_bytes(world: &World) -> Result<u64> {
+    let packed = groom::pack(world)?;
+    let skin = &world.skin;
+    let stride = groom::tau_stride(&world.scene, packed.light_parameters.count);
+    let room = (128 << 20) - 8 * packed.undercoat_fibre.texels().len() as u64;
+    let lattice = Lattice::plan(skin, world, &packed.undercoat, stride, room);
+    let (_, edges) = number_edges(skin);
+    let n = u64::from(lattice.cells);
+    let columns = skin.positions.len() as u64
+        + u64::from(edges) * (n - 1)
+        + skin.triangles.len() as u64 * ((n - 1) * n.saturating_sub(2) / 2);
+    let node = 4 + 16 + 4 * u64::from(stride);
+    Ok(columns * (u64::from(lattice.levels + 1) * node + size_of::<Column>() as u64 + 8))
 }
 
 impl Lattice {

@@ -73,7 +73,7 @@ impl Prepared<'_> {
 
     /// Computes `tau`, `node_light` and `base_light`.
     fn sweep(
-        &self,
+        &mut self,
         world: &World,
         extinction: &Buffer,
         fibre_table: &[[u32; 2]],
@@ -90,10 +90,11 @@ impl Prepared<'_> {
             gpu.queue.write_buffer(&source.raw, nodes * 16, bytemuck::cast_slice(fibre_table));
         }
         let base_light = gpu.storage("base_light", 2, u64::from(columns) * 8)?;
+        let counters = gpu.storage("light_counters", 2, 16)?;
         let mut recorder = Recorder::new(gpu);
         let scope = self
             .scope()
-            .with(&[extinction, &tau, &source, &base_light])
+            .with(&[extinction, &tau, &source, &base_light, &counters])
             .with(&tree.iter().collect::<Vec<_>>());
         self.passes.light_occlusion.record(&mut recorder, &scope, columns)?;
         let pairs = groom::tau_pairs(self.fur.lights.count);
@@ -107,6 +108,7 @@ impl Prepared<'_> {
         )?;
         self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
         recorder.submit(timings)?;
+        self.light_paths_cut = u64::from(gpu.read::<u32>(&counters, 4)?.first().copied().unwrap_or(0));
         Ok([tau, source, base_light])
     }
 }

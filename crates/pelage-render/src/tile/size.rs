@@ -1,9 +1,10 @@
 //! Choice of the tile size within the memory budget and the limits of the adapter.
 
 use super::SMALLEST;
+use crate::options::RenderOptions;
 use crate::plan::SamplePlan;
 use crate::prepare::{Prepared, strand_bytes};
-use crate::tile_buffers::{FRAGMENT_BYTES, SAMPLE_BYTES};
+use crate::tile_buffers::{fragment_bytes, sample_bytes};
 use pelage_core::{Error, Result, World};
 use pelage_gpu::recorder::RASTER_MARGIN;
 
@@ -12,6 +13,10 @@ const EXPECTED_FRAGMENTS: u64 = 8;
 
 /// Fragments per sample beyond which lists get no more room.
 const MOST_FRAGMENTS: u64 = 400;
+
+/// Bytes of lists below which nothing is saved: a tile of a few samples may show the whole fur, and
+/// cannot be split further.
+const SMALL_LISTS: u64 = 64 << 20;
 
 /// Size of the tiles of a rendering.
 pub(super) struct TileSize {
@@ -29,19 +34,28 @@ impl TileSize {
     ///
     /// # Errors
     /// [`Error::OutOfMemory`] if not even the smallest tile fits.
-    pub fn choose(prepared: &Prepared<'_>, world: &World, plan: &SamplePlan, planes: u32) -> Result<Self> {
+    pub fn choose(
+        prepared: &Prepared<'_>,
+        world: &World,
+        plan: &SamplePlan,
+        planes: u32,
+        options: &RenderOptions<'_>,
+    ) -> Result<Self> {
         let gpu = prepared.gpu;
         let scene = &world.scene;
         let used = gpu.ledger.current();
         // Pixels exist twice while they are read back.
-        let sample_bytes = SAMPLE_BYTES + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
-        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * FRAGMENT_BYTES;
+        let features = prepared.variant.features;
+        let fragment_bytes = fragment_bytes(features);
+        let sample_bytes =
+            sample_bytes(features) + (u64::from(planes) * 8).div_ceil(u64::from(plan.grid * plan.grid));
+        let per_sample = sample_bytes + EXPECTED_FRAGMENTS * fragment_bytes;
         // Reserve for bins or for strands grown per tile, and for staging.
         let strands = match &prepared.resident {
             Some(_) => prepared.strands * 6,
             None => prepared
                 .strand_budget
-                .min(prepared.strands * strand_bytes(prepared.segments) + prepared.strands * 20),
+                .min(prepared.strands * strand_bytes(prepared.segments, features) + prepared.strands * 20),
         };
         let reserve = strands + (8 << 20);
         let room = scene.render.memory.saturating_sub(used + reserve);
@@ -51,10 +65,10 @@ impl TileSize {
         }
         let list_limit = gpu.binding_limit();
         let most = (room / per_sample)
-            .min(list_limit / (4 + EXPECTED_FRAGMENTS * FRAGMENT_BYTES))
-            .min(list_limit / 32);
+            .min(list_limit / (4 + EXPECTED_FRAGMENTS * fragment_bytes))
+            .min(list_limit / if features { 64 } else { 32 });
         let most_edge = (most as f64).sqrt() as u32;
-        let wanted = scene.render.tile.unwrap_or(2048).max(SMALLEST * plan.grid);
+        let wanted = scene.render.tile.unwrap_or(options.usual_tile(plan.reach)).max(SMALLEST * plan.grid);
         let samples_edge = most_edge
             .min(wanted + 2 * plan.reach)
             .min(4096)
@@ -69,7 +83,7 @@ impl TileSize {
             .saturating_sub(samples * (sample_bytes - 4))
             .min(list_limit)
             .max(samples * 4 + 64)
-            .min(samples * (4 + MOST_FRAGMENTS * FRAGMENT_BYTES));
+            .min((samples * (4 + MOST_FRAGMENTS * fragment_bytes)).max(SMALL_LISTS));
         Ok(Self { edge, extent, list_bytes })
     }
 }

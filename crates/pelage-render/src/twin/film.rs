@@ -2,11 +2,12 @@
 
 use glam::{Vec2, Vec3};
 use half::f16;
-use pelage_fur::layout::Reconstruction;
+use pelage_fur::layout::{Frame, Reconstruction};
 use pelage_fur::octahedral;
+use pelage_fur::view::sample_ray;
 
-/// Number of planes that the pass writes; the last two are the sum and the weight of the depth.
-pub const PLANES: usize = 20;
+/// Number of planes that the pass writes, see [`crate::planes::PLANES`].
+pub const PLANES: usize = 32;
 
 /// Unpacked film sample. Radiances are premultiplied.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -25,6 +26,21 @@ pub struct Sample {
     pub normal: Option<Vec3>,
     /// Length of the sample's list.
     pub fragments: u32,
+    /// Features, if the sample has them.
+    pub features: Option<Features>,
+}
+
+/// Features of a sample: sums over what is visible, weighted by opacity.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Features {
+    /// Albedo of hairs and skin.
+    pub albedo: Vec3,
+    /// Normals of ribbons that face the camera, and of the skin.
+    pub normal: Vec3,
+    /// Directions of the hairs.
+    pub tangent: Vec3,
+    /// Coverage of guard hairs, undercoat and skin.
+    pub coverage: Vec3,
 }
 
 /// The two half floats of a word.
@@ -32,8 +48,8 @@ pub fn halves(word: u32) -> [f32; 2] {
     [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32())
 }
 
-/// Unpacks a sample of the buffer `samples`.
-pub fn unpack(words: [u32; 8]) -> Sample {
+/// Unpacks a sample of the buffer `samples`: 8 words, with features 16.
+pub fn unpack(words: &[u32]) -> Sample {
     let [a, b, c, d] = [words[0], words[1], words[2], words[3]].map(halves);
     let [base_b, through] = halves(words[4]);
     let snorm = |h: u32| f32::from(h as u16 as i16) / 32767.0;
@@ -46,22 +62,43 @@ pub fn unpack(words: [u32; 8]) -> Sample {
         normal: (words[6] != 0)
             .then(|| octahedral::decode(Vec2::new(snorm(words[6]), snorm(words[6] >> 16)))),
         fragments: words[7],
+        features: (words.len() >= 16).then(|| features(&words[8..])),
     }
 }
 
-/// The planes of a pixel, filtered from the samples around it, in double precision. `size`: samples
+/// Unpacks the last 8 words of a sample with features.
+fn features(words: &[u32]) -> Features {
+    let [a, b, c, d] = [words[0], words[1], words[2], words[3]].map(halves);
+    Features {
+        albedo: Vec3::new(a[0], a[1], b[0]),
+        normal: Vec3::new(b[1], c[0], c[1]),
+        tangent: Vec3::new(d[0], d[1], halves(words[4])[0]),
+        coverage: Vec3::from([words[5], words[6], words[7]].map(f32::from_bits)),
+    }
+}
+
+/// The planes of a pixel, filtered from the samples around it, in double precision. `frame`: that
 /// of the tile.
-pub fn pixel(r: &Reconstruction, size: [u32; 2], samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
+pub fn pixel(frame: &Frame, r: &Reconstruction, samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
+    let size = frame.tile_size;
     let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
     let corner = [0, 1].map(|k| r.origin[k] + (pixel[k] * r.grid) as i32 - r.reach);
     let mut sums = [0f64; PLANES];
     for (y, x) in (0..r.taps).flat_map(|y| (0..r.taps).map(move |x| (y, x))) {
         let w = weight(x) * weight(y);
         let at = |k: usize, offset: u32| (corner[k] + offset as i32).clamp(0, size[k] as i32 - 1) as u32;
-        let s = &samples[(at(1, y) * size[0] + at(0, x)) as usize];
+        let xy = [at(0, x), at(1, y)];
+        let s = &samples[(xy[1] * size[0] + xy[0]) as usize];
         let all = s.guard + s.undercoat + s.base;
-        let normal = s.normal.unwrap_or(Vec3::ZERO);
+        let f = s.features.unwrap_or(Features {
+            albedo: Vec3::ZERO,
+            normal: s.normal.unwrap_or(Vec3::ZERO),
+            tangent: Vec3::ZERO,
+            coverage: Vec3::ZERO,
+        });
         let seen = if s.z < 1e30 { 1.0 - s.through } else { 0.0 };
+        let z = s.z.min(1e20);
+        let position = seen * (Vec3::from(frame.eye) + z * sample_ray(frame, xy));
         let values = [
             all.x,
             all.y,
@@ -76,13 +113,25 @@ pub fn pixel(r: &Reconstruction, size: [u32; 2], samples: &[Sample], pixel: [u32
             s.base.x,
             s.base.y,
             s.base.z,
-            normal.x,
-            normal.y,
-            normal.z,
+            f.normal.x,
+            f.normal.y,
+            f.normal.z,
             s.through,
             s.fragments as f32,
-            seen * s.z.min(1e20),
+            seen * z,
             seen,
+            position.x,
+            position.y,
+            position.z,
+            f.albedo.x,
+            f.albedo.y,
+            f.albedo.z,
+            f.tangent.x,
+            f.tangent.y,
+            f.tangent.z,
+            f.coverage.x,
+            f.coverage.y,
+            f.coverage.z,
         ];
         sums.iter_mut().zip(values).for_each(|(sum, v)| *sum += w * f64::from(v));
     }

@@ -29,13 +29,13 @@ pub struct Shade {
 
 /// Shades the vertices of a strand that grows from `root`.
 pub fn shade(
-    light: &Lattice<'_>,
+    lattice: &Lattice<'_>,
     maps: &Maps<'_>,
     fibre: &Fibre,
     root: &Root,
     strand: &[[f32; 4]],
 ) -> Vec<Shade> {
-    let (fur, shell, groom) = (light.fur, light.shell, maps.groom);
+    let (fur, shell, groom) = (lattice.fur, lattice.shell, maps.groom);
     let at = root_point(shell, root);
     let ends = end_colors(maps, &at, root.seed);
     let hairs = maps.hairs_at(&at);
@@ -46,7 +46,7 @@ pub fn shade(
     for (k, vertex) in strand.iter().enumerate() {
         let x = position(*vertex);
         let along = tangent(strand, k);
-        let view = (Vec3::from(light.frame.eye) - x).normalize();
+        let view = (Vec3::from(lattice.frame.eye) - x).normalize();
         let s = k as f32 / (strand.len() - 1) as f32;
         let albedo = color_at(hairs.color_transition, ends, s);
         // A strand that leaves the shell over the border of the skin keeps its last place.
@@ -55,7 +55,7 @@ pub fn shade(
         let corners = |j: u32| {
             [0, 1, 2].map(|c| {
                 let node = node_index(fur, cell.columns[c], cell.level);
-                [light.tau(node, j), light.tau(node + 1, j)]
+                [lattice.tau(node, j), lattice.tau(node + 1, j)]
             })
         };
         let tau = |j: u32| {
@@ -63,7 +63,7 @@ pub fn shade(
             cell.weights.dot(Vec3::from(along))
         };
         let mut radiance = Vec3::ZERO;
-        for (j, l) in (0..fur.lights.count).zip(light.lights) {
+        for (j, l) in (0..fur.lights.count).zip(lattice.lights) {
             let through = match groom.paper {
                 0 => (-tau(j) * (1.0 - fur.undercoat.forward_scattering * albedo)).exp(),
                 _ => Vec3::ONE,
@@ -73,20 +73,20 @@ pub fn shade(
                 &Angles::around(along, Vec3::from(l.direction), view),
             );
             radiance += Vec3::from(l.irradiance) * through * scattered;
-            if let (MultipleModel::Dual, Some(table)) = (light.multiple, light.table) {
+            if let (MultipleModel::Dual, Some(table)) = (lattice.multiple, lattice.table) {
                 let to_light = Vec3::from(l.direction);
                 let of_light = table.dual_scatter(Layer::Guard, albedo, along, to_light, view, tau(j));
                 radiance += Vec3::from(l.irradiance) * of_light;
             }
         }
-        if let (MultipleModel::Transport, Some(table)) = (light.multiple, light.table) {
+        if let (MultipleModel::Transport, Some(table)) = (lattice.multiple, lattice.table) {
             let mut scattered = [Vec3::ZERO; 2];
             for c in 0..3 {
                 let node = node_index(fur, cell.columns[c], cell.level);
-                let [low, high] = [node, node + 1].map(|node| light.scattered(node));
+                let [low, high] = [node, node + 1].map(|node| lattice.scattered(node));
                 (0..2).for_each(|k| scattered[k] += cell.weights[c] * low[k].lerp(high[k], cell.fraction));
             }
-            let normal = place.extrusion(place.lambda).normalize();
+            let normal = place.direction(place.lambda);
             radiance += table.guard_response(albedo, along, view, normal, scattered);
         }
         if groom.paper == 1 {

@@ -8,6 +8,9 @@ use pelage_fur::shell::{Located, Shell};
 use pelage_fur::strands::{position, radius};
 use pelage_fur::undercoat::Undercoat;
 
+/// Largest extinction at a node, 1/cm: the largest finite number of 16 bits.
+pub const LARGEST: f32 = 65504.0;
+
 /// Deposits per segment.
 const PARTS: u32 = 2;
 
@@ -65,15 +68,14 @@ pub fn extinction(
     level: u32,
     deposit: f64,
 ) -> [f32; 2] {
-    let guard = deposit as f32 / volume(undercoat.shell, fur, column, level);
+    let guard = (deposit as f32 / volume(undercoat.shell, fur, column, level)).min(LARGEST);
     let (place, _) = node_place(undercoat.shell, fur, column, level);
     if place.t > 1.0 {
         return [0.0, guard];
     }
     let p = undercoat.domain_point(&place, place.lambda);
     let t = place.t;
-    let tangent =
-        (place.extrusion(place.lambda).normalize() + Vec3::from(fur.undercoat.lean) * t).normalize();
+    let tangent = (place.direction(place.lambda) + Vec3::from(fur.undercoat.lean) * t).normalize();
     let density = column.density * undercoat.clump_density(p, p, t) * place.crowding(t, tangent);
-    [fur.undercoat.extinction * density, guard]
+    [(fur.undercoat.extinction * density).min(LARGEST), guard]
 }

@@ -16,7 +16,7 @@ pub enum Kind {
 }
 
 /// A fragment of a sample's list.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Node {
     /// Depth, cm.
     pub z: f32,
@@ -24,6 +24,17 @@ pub struct Node {
     pub source: u32,
     /// Premultiplied radiance and opacity; of an entry unused.
     pub color: Vec4,
+    /// With features: albedo of the hairs.
+    pub albedo: Vec3,
+    /// With features: direction of the hairs, from root to tip.
+    pub tangent: Vec3,
+}
+
+/// Normal of a hair as seen along the unit vector `view` (towards the camera): that of the ribbon
+/// that faces the camera; `view` itself where the hair is seen end-on.
+pub fn hair_normal(tangent: Vec3, view: Vec3) -> Vec3 {
+    let n = view - tangent * view.dot(tangent);
+    if n.length_squared() > 1e-8 { n.normalize() } else { view }
 }
 
 impl Node {
@@ -150,13 +161,26 @@ pub fn blend_fragments(
 /// Blends strands and the undercoat marched from the list's entries, both at their true depths:
 /// steps of the march are split at every strand. An interval shared by two entries counts for the
 /// first. `ray`, `phase`: see [`steps`].
-// [Max1995]
 pub fn exact(
+    inputs: &MarchInputs<'_>,
+    nodes: Vec<Node>,
+    ray: Vec3,
+    phase: f32,
+    base: Option<Base>,
+) -> Gathered {
+    exact_of(inputs, nodes, ray, phase, base, &|step| step.radiance)
+}
+
+/// [`exact`] for another quantity than radiance: that of a step is `of_step`, those of the strands
+/// and of the skin stand in their colours.
+// [Max1995]
+pub fn exact_of(
     inputs: &MarchInputs<'_>,
     mut nodes: Vec<Node>,
     ray: Vec3,
     phase: f32,
     base: Option<Base>,
+    of_step: &dyn Fn(&Step) -> Vec3,
 ) -> Gathered {
     sort(&mut nodes);
     let z_base = base.map_or(f32::INFINITY, |b| b.z);
@@ -193,7 +217,7 @@ pub fn exact(
         }
         if let Some(s) = pieces.get(piece).filter(|s| s.z <= *z) {
             let part = 1.0 - (-s.sigma * (end - z)).exp();
-            g.over(Kind::Volume, (s.radiance * part).extend(part), 0.5 * (z + end));
+            g.over(Kind::Volume, (of_step(s) * part).extend(part), 0.5 * (z + end));
         }
     }
     g.finish(base)

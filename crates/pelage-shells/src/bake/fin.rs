@@ -1,5 +1,5 @@
 //! The texture of the fin: a slab of hair seen from the side, composited from back to front.
-// [Lengyel2001] sec. 3.1
+// [Lengyel2001] sec. 2.2
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma};

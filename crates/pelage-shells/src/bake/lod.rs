@@ -1,6 +1,6 @@
 //! Levels of detail: each has half as many layers, composited from pairs of layers of the level
 //! before.
-// [Lengyel2001] sec. 3.3, level-of-detail control
+// [Lengyel2001] sec. 2.4, level-of-detail control
 
 use super::{FurTextures, Texture};
 use rayon::prelude::*;

@@ -1,5 +1,5 @@
 //! Hair grown by particles that rise through a box with periodic sides.
-// [Lengyel2001] sec. 3.1
+// [Lengyel2001] sec. 2.2
 
 use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};

@@ -1,5 +1,5 @@
 //! Samples hairs into layers: at each texel a tall Gaussian meets the hairs.
-// [Lengyel2001] sec. 3.1
+// [Lengyel2001] sec. 2.2
 
 use super::Texture;
 use super::stamp::{Stamp, roomy_sigma, sigma_of};

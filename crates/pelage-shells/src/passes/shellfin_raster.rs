@@ -81,7 +81,7 @@ impl ShellfinRaster {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] if a binding is missing.
-    // [Lengyel2001] sec. 4.3
+    // [Lengyel2001] sec. 2.3
     pub fn record(
         &self,
         recorder: &mut Recorder<'_>,

@@ -10,6 +10,7 @@ use pelage_fur::layout::Frame;
 use pelage_gpu::kernel::{COLOR_FORMAT, DEPTH_FORMAT};
 use pelage_gpu::recorder::{RASTER_MARGIN, RasterTargets, Timings};
 use pelage_gpu::{Buffer, Gpu, Recorder, Resource};
+use pelage_render::planes::written;
 use pelage_render::{Job, RenderOptions, Rendering, SamplePlan, known_stats, write_tile};
 
 /// Bytes of a sample: colour, depth, film sample.
@@ -94,8 +95,8 @@ fn render_tiles(
     options.report(0.1, "shellfin_rows");
     let view = camera::frame(&scene.camera, plan.film, Vec2::ZERO, Vec2::ZERO, scene.render.seed);
     let fur = Shellfins::new(gpu, world, &textures, &view, timings)?;
-    let planes = options.planes();
-    let jobs = jobs(gpu, world, &plan, planes, options.crop)?;
+    let planes = written(options, scene.render.fur);
+    let jobs = jobs(gpu, world, &plan, planes, options)?;
     let largest = jobs.iter().fold([1, 1], |most, j| [0, 1].map(|k| j.size[k].max(most[k])));
     let pictures = Pictures::new(gpu, largest.map(|s| s * plan.grid + 2 * plan.reach))?;
     let pose = Pose::at(world, options.time, fur.height());
@@ -108,17 +109,25 @@ fn render_tiles(
         }
         options.report(0.2 + 0.8 * *done as f32 / count as f32, "shellfin_raster");
         let tile = Tile { gpu, world, plan: &plan, planes, job };
-        let pixels = gpu.storage("pixels", 7, tile.pixels() * u64::from(planes) * 4)?;
-        for pass in 0..plan.passes.len() {
-            let frame = tile.frame(pass);
-            if lens {
-                rows = fur.rows(&frame, &pose, timings)?;
+        let mut render = || -> Result<Vec<f32>> {
+            let pixels = gpu.storage("pixels", 7, tile.pixels() * u64::from(planes) * 4)?;
+            for pass in 0..plan.passes.len() {
+                let frame = tile.frame(pass);
+                if lens {
+                    rows = fur.rows(&frame, &pose, timings)?;
+                }
+                tile.render(pass, &frame, &fur, &rows, &pictures, &pixels, timings)?;
             }
-            tile.render(pass, &frame, &fur, &rows, &pictures, &pixels, timings)?;
-        }
-        let data = gpu.read(&pixels, tile.pixels() * u64::from(planes) * 4)?;
+            gpu.read(&pixels, tile.pixels() * u64::from(planes) * 4)
+        };
+        let data = match render() {
+            // An interrupted tile is left out.
+            Err(Error::Interrupted) => return Ok(false),
+            outcome => outcome?,
+        };
         write_tile(job, &data, film);
         *done += 1;
+        options.show(film);
     }
     Ok(true)
 }
@@ -129,7 +138,7 @@ fn jobs(
     world: &World,
     plan: &SamplePlan,
     planes: u32,
-    crop: Option<[f32; 4]>,
+    options: &RenderOptions<'_>,
 ) -> Result<Vec<Job>> {
     let film = &world.scene.film;
     let per_sample = SAMPLE_BYTES + u64::from(planes) * 8;
@@ -138,12 +147,13 @@ fn jobs(
     let side = ((room / per_sample) as f64).sqrt() as u32;
     let widest = gpu.limits.max_texture_dimension_2d.saturating_sub(2 * RASTER_MARGIN as u32);
     let edge = side.min(widest).saturating_sub(2 * plan.reach) / plan.grid;
-    let wanted = world.scene.render.tile.map_or(2048, |t| (t / plan.grid).max(4));
+    let usual = if options.partial.is_some() { options.usual_tile(plan.reach) / plan.grid } else { 2048 };
+    let wanted = world.scene.render.tile.map_or(usual, |t| (t / plan.grid).max(4));
     if edge < 4 {
         let needed = used + per_sample * u64::from(4 * plan.grid + 2 * plan.reach).pow(2);
         return Err(Error::OutOfMemory { pass: "shellfin_raster".into(), needed });
     }
-    Ok(Job::grid([film.width, film.height], edge.min(wanted), crop))
+    Ok(Job::grid([film.width, film.height], edge.min(wanted), options.crop))
 }
 
 /// The tile that is being rendered.

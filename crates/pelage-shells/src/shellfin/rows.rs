@@ -26,7 +26,7 @@ pub fn levels(layers: u32) -> Vec<u32> {
 ///
 /// Between two levels each shell moves and changes from its fine layer to the coarse layer that
 /// contains it; shells without a coarse counterpart fade out. So nothing pops at any distance.
-// [Lengyel2001] sec. 4.5; DEVIATION: the coarse shell lies in the middle of its slab instead of at
+// [Lengyel2001] sec. 2.4; DEVIATION: the coarse shell lies in the middle of its slab instead of at
 // the lower of the two, so that the fur keeps its height.
 pub fn rows(
     shells: &Shells,

@@ -7,7 +7,7 @@ use pelage_fur::layout;
 pub const EDGE: usize = 32;
 
 /// Reflected light of a hair, per unit colour and irradiance; `u` = T·L, `v` = T·H.
-// [Lengyel2001] sec. 4.4; [Banks1994]
+// [Lengyel2001] sec. 2.4; [Banks1994]
 pub fn hair_lighting(t: &LightingTable, u: f32, v: f32) -> f32 {
     let lobe = |x: f32, exponent: f32| (1.0 - x * x).max(0.0).powf(0.5 * exponent);
     t.ambient + t.diffuse * lobe(u, t.diffuse_exponent) + t.specular * lobe(v, t.specular_exponent)

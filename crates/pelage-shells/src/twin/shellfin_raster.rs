@@ -72,7 +72,7 @@ pub struct Pixel {
 }
 
 /// Opacity of a fin, 0..1, seen from `eye`.
-// [Lengyel2001] sec. 4.2, [Tariq2007]
+// [Lengyel2001] sec. 2.3, [Tariq2007]
 pub fn fin_fade(shellfin: &Shellfin, vertices: &[ShellVertex], edge: &FinEdge, eye: Vec3) -> f32 {
     let at = |v: u32| Vec3::from(vertices[v as usize].position);
     let (a, b) = (at(edge.a), at(edge.b));

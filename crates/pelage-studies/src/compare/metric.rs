@@ -35,7 +35,7 @@ pub struct Metrics {
     /// to the square of its own mean luminance, in octaves: periods of about 3, 6, 13 and 26
     /// pixels. Below 1 the image is too soft, above it too crisp or noisy. Noise is subtracted if a
     /// film holds the means of two halves of its samples, like a path traced reference; otherwise
-    /// it counts as detail.
+    /// it counts as detail. Not a number where the noise exceeds the power.
     pub detail_ratio: [f64; OCTAVES],
     /// Mean absolute difference of alpha.
     pub alpha_difference: f64,
@@ -95,8 +95,16 @@ impl Metrics {
             }
         }
         let values = 3.0 * counted as f64;
-        // Also 1 if both sums are zero.
-        let ratio = |[image, reference]: [f64; 2]| if image == reference { 1.0 } else { image / reference };
+        // Also 1 if both sums are zero, but not if there was nothing to add up.
+        let ratio = |[image, reference]: [f64; 2]| match (counted, image == reference) {
+            (0, _) => f64::NAN,
+            (_, true) => 1.0,
+            _ => image / reference,
+        };
+        // Noise that exceeds the power leaves nothing to compare.
+        let detailed = |power: [f64; 2]| {
+            if power.iter().any(|p| *p < 0.0) { f64::NAN } else { ratio(power) }
+        };
         Self {
             pixels: counted,
             rmse: (squares / values).sqrt(),
@@ -107,7 +115,7 @@ impl Metrics {
             hdr_flip: hdr_flip / all as f64,
             luminance_ratio: ratio(light),
             color_ratio: color.map(ratio),
-            detail_ratio: detail.map(|power| ratio(power) / ratio(light.map(|v| v * v))),
+            detail_ratio: detail.map(|power| detailed(power) / ratio(light.map(|v| v * v))),
             alpha_difference: alpha / counted as f64,
             max_abs,
         }
@@ -124,13 +132,14 @@ impl Metrics {
                     Sense::Ratio => (value - 1.0).abs(),
                     _ => value,
                 };
+                let value_text = if value.is_nan() { "undefined".to_owned() } else { format!("{value:.6}") };
                 let past = value.is_nan()
                     || if metric.sense == Sense::AtLeast { worst < limit } else { worst > limit };
                 if past {
                     lines.push(match metric.sense {
-                        Sense::AtMost => format!("{name} is {value:.6}, more than {limit}"),
-                        Sense::AtLeast => format!("{name} is {value:.6}, less than {limit}"),
-                        Sense::Ratio => format!("{name} is {value:.6}, away from 1 by more than {limit}"),
+                        Sense::AtMost => format!("{name} is {value_text}, more than {limit}"),
+                        Sense::AtLeast => format!("{name} is {value_text}, less than {limit}"),
+                        Sense::Ratio => format!("{name} is {value_text}, away from 1 by more than {limit}"),
                     });
                 }
             }

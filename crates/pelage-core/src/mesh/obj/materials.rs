@@ -59,7 +59,7 @@ fn text_of(path: &Path) -> Result<Vec<u8>, String> {
 fn read(text: &[u8], path: &Path, materials: &mut HashMap<String, Material>, notes: &mut Vec<String>) {
     let folder = path.parent().unwrap_or(Path::new(""));
     let mut current: Option<String> = None;
-    let mut damaged = 0;
+    let (mut damaged, mut missing) = (0, Vec::new());
     let mut statements = Statements::new(text);
     while let Some((_, statement)) = statements.next() {
         let words: Vec<String> = words(statement).map(|w| String::from_utf8_lossy(w).into_owned()).collect();
@@ -91,14 +91,19 @@ fn read(text: &[u8], path: &Path, materials: &mut HashMap<String, Material>, not
                     damaged += 1;
                     continue;
                 }
-                let file = folder.join(file);
+                let file = folder.join(file.trim_start_matches("./"));
                 if !file.is_file() {
-                    notes.push(format!("the map {} of material \"{name}\" is not there", file.display()));
+                    missing.push(file.display().to_string());
                 }
                 materials.entry(name.clone()).or_default().map = Some(file.display().to_string());
             }
             _ => {}
         }
+    }
+    if !missing.is_empty() {
+        let (first, more) = (&missing[0], missing.len() - 1);
+        let more = if more > 0 { format!(" and {more} more") } else { String::new() };
+        notes.push(format!("{}: maps that are not there: {first}{more}", path.display()));
     }
     if damaged > 0 {
         notes.push(format!("{}: {damaged} damaged statements left out", path.display()));

@@ -144,7 +144,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
 /// displaced by `bend`. For textures baked from the groom (`groom`) it is the groom's strand
 /// without its random parts, scaled so that its tip is as high as the fur. Height is proportional
 /// to the curve's parameter, so that each texture layer lies at its own height.
-// As in shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 4.4, [Xbdev]
+// As in shaders/shellfin_rows.wgsl. [Lengyel2001] sec. 2.4, [Xbdev]
 fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: Vec3) -> [Vec3; 3] {
     let shells = &world.scene.shells;
     let strokes = shells
@@ -162,7 +162,7 @@ fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: 
 
 /// All edges once each (an edge of more than two faces once per face), in the order of faces. Each
 /// edge has a random place in the texture and its own length there.
-// [Lengyel2001] sec. 4.2
+// [Lengyel2001] sec. 2.3
 pub fn fin_edges(world: &World, clothed: &Clothed, fin_length: f32) -> Vec<FinEdge> {
     let topology = topology::neighbours(&world.skin.triangles);
     let mut edges = Vec::with_capacity(topology.edges);

@@ -47,7 +47,7 @@ pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
         Error::fault(context.folder.join(&settings.scene), "expected a map in [environment]")
     })?;
     let sky = Sky {
-        map: Panorama::load(&assets.find(&environment.map)?)?,
+        map: Panorama::load(&assets.find(&environment.map)?, &environment.layer)?,
         map_from_world: map_from_world(environment.rotate),
         factor: Vec3::from(environment.tint) * environment.intensity,
         film: world.scene.film.clone(),

@@ -109,8 +109,8 @@ fn exchange(settings: &Settings, measured: &[(String, Stats, f64)], march: f64) 
     let line = |what: &str, ours: f64, paper: Option<f64>| {
         vec![what.to_owned(), format!("{ours:.0}"), paper.map_or(String::new(), |p| format!("{p:.0}"))]
     };
-    // [Andersen2016] table 1: step 4 of the cylinder, and its 82,432 hairs, which the same time
-    // would double.
+    // [Andersen2016] table 1: step 4 of the cylinder; sec. 5: the 82,432 undercoat strands that the
+    // same time would buy. The paper does not count the guard hairs of its pelt.
     let paper_march = paper::column("cylinder").map(|c| c.ms[3]);
     let bought = march / slope;
     let rows = vec![
