@@ -5,9 +5,9 @@ use crate::common::gpu::{image, jittered_grid, scaled, world_on};
 use crate::common::worlds::{plane, render};
 use std::f32::consts::FRAC_1_PI;
 
-/// A meadow of 10 x 10 cm with a bare square of 3.4 cm in its middle, where the undercoat is `height`
-/// cm high and guard hairs have no length, seen from above; median red in the middle 0.8 x 0.8 cm. Few
-/// long hairs lean over it from outside.
+/// A meadow of 10 x 10 cm with a bare square of 3.4 cm in its middle, where the undercoat is
+/// `height` cm high and guard hairs have no length, seen from above; median red in the middle 0.8
+/// x 0.8 cm. Few long hairs lean over it from outside.
 fn middle(fur: &str, height: f32) -> f32 {
     let scene = format!(
         "[camera]\neye = [5, 20, 5.01]\ntarget = [5, 0, 5]\nfov = 2.3\nup = [0, 0, -1]\n\

@@ -70,9 +70,9 @@ mod scene {
 
     #[test]
     fn a_missing_scene() {
-        pelage(&["render", "no/such.toml", "-o", "x.png"]).expect(3, &["no/such.toml", "cannot read"]);
+        pelage(&["render", "no/such.toml", "-o", "x.png"]).expect(3, &["no/such.toml", "not there"]);
         let folder = Folder::new();
-        pelage(&["check", &folder.path().display().to_string()]).expect(3, &["cannot read"]);
+        pelage(&["check", &folder.path().display().to_string()]).expect(3, &["cannot be read"]);
     }
 
     #[test]

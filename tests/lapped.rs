@@ -468,11 +468,12 @@ fn errors_of_the_command_are_readable() {
     fails(&[&fine, "--radius", "wide"], 2, &["wide"]);
     fails(&[&fine, "--radius", "0"], 3, &["lapped.radius"]);
     fails(&[&fine, "--irregularity", "2"], 3, &["lapped.irregularity"]);
-    fails(&[&fine, "--field", "groom"], 3, &["guard.comb_direction"]);
+    let uncombed = folder.write("uncombed.toml", "[mesh]\nshape = 'sphere'\n");
+    fails(&[&uncombed, "--field", "groom"], 3, &["guard.comb_direction"]);
     fails(&[&fine, "-D", "lapped.radios=2"], 3, &["radios", "radius"]);
     fails(&[&fine, "-D", "no_value"], 2, &["key.path=value"]);
     pelage(&["lapped", &fine]).expect(2, &["--outfile"]);
-    pelage(&["lapped", "-o", &out]).expect(2, &["SCENE.toml|MESH"]);
+    pelage(&["lapped", "-o", &out]).expect(2, &["SCENE|MESH"]);
     let taken = folder.write("taken", "");
     pelage(&["lapped", &fine, "-o", &taken]).expect(1, &["taken", "cannot be created"]);
     let mut here = command();

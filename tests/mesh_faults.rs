@@ -273,6 +273,7 @@ fn outwards(skin: &Skin) -> bool {
 
 #[test]
 fn faces_that_are_there_twice_are_dropped() {
+    type Change = fn(&mut Vec<u32>);
     let (positions, faces) = ball();
     let once = 2 * 24 + 2 * 10 * 24;
     let check = |skin: &Skin, name: &str| {
@@ -286,14 +287,14 @@ fn faces_that_are_there_twice_are_dropped() {
         );
         assert!(outwards(skin), "{name}");
     };
-    let again = |change: fn(&mut Vec<u32>)| {
+    let again = |change: Change| {
         let copies = faces.iter().cloned().map(|mut f| {
             change(&mut f);
             f
         });
         obj_text(&positions, &faces.iter().cloned().chain(copies).collect::<Vec<_>>())
     };
-    let rows: [(&str, fn(&mut Vec<u32>)); 5] = [
+    let rows: [(&str, Change); 5] = [
         ("the same", |_| ()),
         ("turned by one corner", |f| f.rotate_left(1)),
         ("reversed", |f| f.reverse()),

@@ -23,9 +23,9 @@ fn mesh_and_camera_moved_together_make_the_same_picture() {
         let world = ball(|s| {
             clumped(s);
             s.mesh.translate = mesh;
-            for k in 0..3 {
-                s.camera.eye[k] += mesh[k];
-                s.camera.target[k] += mesh[k];
+            for (k, by) in mesh.iter().enumerate() {
+                s.camera.eye[k] += by;
+                s.camera.target[k] += by;
             }
         });
         render(&world)

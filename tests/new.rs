@@ -39,7 +39,7 @@ fn new_writes_the_scene_that_the_mesh_renders_as() {
     assert_eq!(direct["scene"], written["scene"]);
     assert_eq!(direct["counts"], written["counts"]);
     let text = std::fs::read_to_string(&scene).unwrap();
-    for part in ["path = \"my body.obj\"", "size = 40", "# Longest side", "[[lights]]", "# [undercoat]"] {
+    for part in ["path = \"my body.obj\"", "size = 40", "# Largest side", "[[lights]]", "# [undercoat]"] {
         assert!(text.contains(part), "no {part} in\n{text}");
     }
 }

@@ -195,9 +195,9 @@ struct Time {
 /// Samples of the picture that is measured.
 const SAMPLES: f64 = 20_000.0;
 
-/// Renders a picture of about [`SAMPLES`] samples. The rest of the picture costs at most as much per
-/// sample, because passes over few samples are dominated by their start, and hardly less than a
-/// third of it.
+/// Renders a picture of about [`SAMPLES`] samples. The rest of the picture costs at most as much
+/// per sample, because passes over few samples are dominated by their start, and hardly less than
+/// a third of it.
 fn measure(world: &mut World) -> Result<Time> {
     let whole = world.scene.film.clone();
     let film = &mut world.scene.film;

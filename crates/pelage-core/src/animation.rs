@@ -38,7 +38,8 @@ pub fn at(scene: &Scene, frame: u32) -> FrameState {
     FrameState { frame, time, camera }
 }
 
-/// Whether frames differ: the camera turns, the object swings, or the hair of shells waves in gusts.
+/// Whether frames differ: the camera turns, the object swings, or the hair of shells waves in
+/// gusts.
 pub fn moves(scene: &Scene) -> bool {
     let Animation { turntable, motion, .. } = &scene.animation;
     let dynamics = &scene.shells.dynamics;

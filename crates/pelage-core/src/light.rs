@@ -32,8 +32,8 @@ pub struct Light {
 ///
 /// # Errors
 /// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not
-/// finite, a number of environment lights outside 1..=64, more than [`MAX_LIGHTS`] lights, and a map that is missing or damaged.
-/// Faults of values come all together.
+/// finite, a number of environment lights outside 1..=64, more than [`MAX_LIGHTS`] lights, and a
+/// map that is missing or damaged. Faults of values come all together.
 pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     let mut faults = Vec::new();
     let mut fault = |place: String, message: String| {

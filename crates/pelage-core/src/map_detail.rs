@@ -156,7 +156,14 @@ mod tests {
             ..Default::default()
         };
         let texels = (0..64 * 64).map(|i| [texel(i % 64, i / 64); 4]).collect();
-        let map = |color| MapImage { name: "m.png".into(), color, width: 64, height: 64, texels };
+        let map = |color| MapImage {
+            name: "m.png".into(),
+            layer: String::new(),
+            color,
+            width: 64,
+            height: 64,
+            texels,
+        };
         let images = vec![map(scene.undercoat.height == 0.8.into())];
         notes(&scene, &skin_of(mesh), &MapSet { images, notes: Vec::new() })
     }
@@ -186,7 +193,14 @@ mod tests {
         let scene = "[mesh]\nshape = \"sphere\"\n[undercoat]\nheight = { map = \"m.png\" }\n";
         let scene = Scene::parse(scene, "test", &[]).expect("a scene");
         let texels = (0..1024 * 1024u32).map(|i| [f32::from(i / 1024 % 2 == 0); 4]).collect();
-        let images = vec![MapImage { name: "m.png".into(), color: false, width: 1024, height: 1024, texels }];
+        let images = vec![MapImage {
+            name: "m.png".into(),
+            layer: String::new(),
+            color: false,
+            width: 1024,
+            height: 1024,
+            texels,
+        }];
         assert_eq!(notes(&scene, &skin, &MapSet { images, notes: Vec::new() }).len(), 1);
     }
 }

@@ -32,8 +32,8 @@ pub struct MapImage {
     pub name: String,
     /// Layer of an EXR image; empty for the default one.
     pub layer: String,
-    /// Whether it is read as a colour: a format of integers is then decoded from sRGB to linear. Scalars are read
-    /// as the file has them.
+    /// Whether it is read as a colour: a format of integers is then decoded from sRGB to linear.
+    /// Scalars are read as the file has them.
     pub color: bool,
     /// Width, texels.
     pub width: u32,

@@ -13,6 +13,7 @@ mod fibre;
 mod groom;
 mod load;
 mod markdown;
+mod mesh;
 pub mod model;
 mod output;
 mod overrides;

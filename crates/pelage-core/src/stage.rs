@@ -4,6 +4,7 @@
 use crate::scene::{Camera, DirectionalLight, Environment, Framing, Front, Scene};
 use crate::skin::Skin;
 use glam::{Quat, Vec2, Vec3};
+use std::collections::HashSet;
 
 /// Azimuth of the camera from the direction in which the body is likely to face, and its elevation,
 /// degrees: three-quarters from the front, a little from above.
@@ -74,25 +75,46 @@ pub fn longest_hair(scene: &Scene) -> f32 {
     })
 }
 
-/// Where a body probably faces: animals are longer than wide, and carry the head higher than the
-/// tail. A body that is about as wide as long faces +z, as most modelling programs have it.
+/// Where a body probably faces. Animals are the same left and right, so it faces along the axis
+/// across which it is not its own mirror image; where that does not tell, along the longer one, as
+/// animals are longer than wide. They carry the head higher than the tail; a body that is no longer
+/// than wide faces +x or +z, as most modelling programs have it.
 fn front_of(skin: &Skin) -> (Front, &'static str) {
     let (low, high) = skin.bounds();
     let side = high - low;
-    let (along, length) = if side.x > 1.2 * side.z { (Vec3::X, side.x) } else { (Vec3::Z, side.z) };
-    let long = length > 1.2 * side.x.min(side.z);
+    let (mirror_x, mirror_z) = (mirrored(skin, Vec3::X), mirrored(skin, Vec3::Z));
+    let faces_x = match mirror_x - mirror_z {
+        d if d > 0.1 && mirror_x > 0.8 => false,
+        d if d < -0.1 && mirror_z > 0.8 => true,
+        _ => side.x > 1.2 * side.z,
+    };
+    let (along, length, width) = if faces_x { (Vec3::X, side.x, side.z) } else { (Vec3::Z, side.z, side.x) };
     let top = |sign: f32| {
         let end = 0.5 * (high + low).dot(along) + sign * 0.25 * length;
         let heights = skin.positions.iter().filter(|p| sign * (p.dot(along) - end) > 0.0).map(|p| p.y);
         heights.fold(f32::NEG_INFINITY, f32::max)
     };
-    let backwards = long && top(-1.0) > top(1.0) + 0.02 * side.y;
-    match (along == Vec3::X, backwards) {
+    let backwards = length > 1.2 * width && top(-1.0) > top(1.0) + 0.02 * side.y;
+    match (faces_x, backwards) {
         (true, false) => (Front::X, "+x"),
         (true, true) => (Front::NegativeX, "-x"),
         (false, false) => (Front::Z, "+z"),
         (false, true) => (Front::NegativeZ, "-z"),
     }
+}
+
+/// How much a body is its own mirror image across `axis`: the share of occupied cells whose mirror
+/// images are occupied.
+fn mirrored(skin: &Skin, axis: Vec3) -> f32 {
+    const CELLS: f32 = 24.0;
+    let (low, high) = skin.bounds();
+    let (center, cell) = (0.5 * (low + high), (high - low).max_element().max(f32::MIN_POSITIVE) / CELLS);
+    // Odd numbers of cells, so that the middle one is its own image.
+    let of = |p: &Vec3| ((*p - center) / cell).round().as_ivec3();
+    let occupied: HashSet<_> = skin.positions.iter().map(of).collect();
+    let flip = glam::IVec3::ONE - 2 * axis.as_ivec3();
+    let found = occupied.iter().filter(|c| occupied.contains(&(**c * flip))).count();
+    found as f32 / occupied.len().max(1) as f32
 }
 
 /// Azimuth and elevation of a camera that sees a body three-quarters from the front.
@@ -149,7 +171,8 @@ fn frame(camera: &mut Camera, [azimuth, elevation]: [f32; 2], aspect: f32, point
     camera.view = None;
 }
 
-/// The multiple of `unit`, a power of ten, that is nearest to x: with as few decimals as that takes.
+/// The multiple of `unit`, a power of ten, that is nearest to x: with as few decimals as that
+/// takes.
 fn rounded(x: f32, unit: f64) -> f32 {
     let steps = (f64::from(x) / unit).round();
     // Division by a power of ten is exact to the last digit, multiplication by a tenth is not.
@@ -234,6 +257,16 @@ mod tests {
         ] {
             assert_eq!(front_of(&skin(&[tail, head, [0.0; 3]])).0, front);
         }
+        // Wide ears do not turn a head.
+        let ears = [
+            [-9.0, 5.0, 0.0],
+            [9.0, 5.0, 0.0],
+            [0.0, 0.0, 4.0],
+            [0.0, 2.0, -3.0],
+            [2.0, 1.0, 3.0],
+            [-2.0, 1.0, 3.0],
+        ];
+        assert_eq!(front_of(&skin(&ears)).0, Front::Z);
     }
 
     /// The comb of a coat, written for a body that faces -z, always leads away from the head.

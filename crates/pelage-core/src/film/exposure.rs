@@ -16,8 +16,8 @@ const BEYOND: f64 = 0.01;
 /// The log-average luminance of all pixels with alpha above 0, without their background, becomes
 /// 0.18. It is lowered where more than 1 % of these pixels would exceed the highlights: 1 without
 /// tone mapping, 4 with a curve, which keeps two stops above white apart. Black and infinite pixels
-/// do not count. The result lies in -32..32, the range of `film.exposure`, and is that of the film's
-/// description where no pixel counts.
+/// do not count. The result lies in -32..32, the range of `film.exposure`, and is that of the
+/// film's description where no pixel counts.
 ///
 /// # Errors
 /// [`crate::Error::Unsupported`] if a plane is missing.

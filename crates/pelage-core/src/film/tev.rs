@@ -1,6 +1,6 @@
 //! Sends pictures to the image viewer tev while they are rendered, by its protocol over TCP:
-//! packets of a length (u32, itself included), an operation (u8) and its arguments, all little-endian; text
-//! ends with a zero byte.
+//! packets of a length (u32, itself included), an operation (u8) and its arguments, all
+//! little-endian; text ends with a zero byte.
 
 use super::Film;
 use crate::{Error, Result};

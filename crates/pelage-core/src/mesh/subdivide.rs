@@ -82,7 +82,7 @@ mod tests {
             };
             assert_eq!(edges(&fine), 2 * edges(&skin), "{shape:?}: an open edge has two halves");
             for (t, uv) in fine.corner_uv.iter().flatten().enumerate() {
-                // Same winding, and a quarter of the uv area: u and v still belong to the positions.
+                // Same winding, a quarter of the uv area: u and v still belong to the positions.
                 let coarse = skin.corner_uv.as_ref().expect("uv")[t / 4];
                 let area = |[a, b, c]: [glam::Vec2; 3]| (b - a).perp_dot(c - a);
                 assert!((4.0 * area(*uv) - area(coarse)).abs() < 1e-5, "{shape:?} {t}");

@@ -61,8 +61,8 @@ pub struct FibreSpec {
     /// Chiang, medulla: index of refraction.
     #[schemars(range(min = 1.05, max = 2.5))]
     pub ior: f32,
-    /// Chiang, medulla: absorption of the cortex (RGB), 1/radius; by default derived from the hair's
-    /// colour.
+    /// Chiang, medulla: absorption of the cortex (RGB), 1/radius; by default derived from the
+    /// hair's colour.
     #[schemars(inner(range(min = 0.0, max = 1000.0)))]
     pub absorption: Option<[f32; 3]>,
     /// Medulla: the hair's interior and surface.

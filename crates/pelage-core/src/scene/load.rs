@@ -17,8 +17,8 @@ use std::path::{Path, PathBuf};
 /// Largest number of included files: a bound on chains that double at each step.
 const MAX_FILES: usize = 64;
 
-/// Vertical field of view of a camera that frames the fur by itself, degrees: about that of an 85 mm
-/// lens on 35 mm film held upright.
+/// Vertical field of view of a camera that frames the fur by itself, degrees: about that of an 85
+/// mm lens on 35 mm film.
 const PORTRAIT_FOV: f64 = 20.0;
 
 /// The preset of a mesh that comes without a scene.

@@ -273,8 +273,8 @@ pub struct Shells {
     /// Coverage grows with the length of the view ray within a layer and with its angle to the
     /// hairs; false: the texture's coverage from every direction, as in the first works on shells.
     pub slanted: bool,
-    /// Number of shells drawn; by default one for each layer of the textures. Fewer: the inner ones,
-    /// from the skin outwards. More: the same fur in thinner layers.
+    /// Number of shells drawn; by default one for each layer of the textures. Fewer: the inner
+    /// ones, from the skin outwards. More: the same fur in thinner layers.
     #[schemars(range(min = 1, max = 128))]
     pub layers: Option<u32>,
     /// Distance between shells, cm; by default that of the textures.

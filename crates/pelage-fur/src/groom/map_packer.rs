@@ -25,7 +25,8 @@ impl<'a> MapPacker<'a> {
         Self { maps, texels: Vec::new(), bases: Vec::new(), uv }
     }
 
-    /// Source, first texel and size of `layer` of the map called `name`, read as a colour or as a scalar.
+    /// Source, first texel and size of `layer` of the map called `name`, read as a colour or as a
+    /// scalar.
     fn source(&mut self, name: &str, layer: &str, color: bool) -> (u32, u32, [u32; 2]) {
         if name == VERTEX_COLOR {
             return (1, 0, [1, 1]);
