@@ -59,9 +59,9 @@ fn eye_tau(cell: LatticeCell) -> f32 {
 }
 
 // Weight of the tip's colour at s (0 root, 1 tip) in the transition from root to tip.
-fn tip_share(s: f32) -> f32 {
-    let half_width = 0.5 * groom.color_transition.y;
-    return smoothstep(groom.color_transition.x - half_width, groom.color_transition.x + half_width + 1e-4, s);
+fn tip_share(transition: vec2f, s: f32) -> f32 {
+    let half_width = 0.5 * transition.y;
+    return smoothstep(transition.x - half_width, transition.x + half_width + 1e-4, s);
 }
 
 // Mean scattered radiance from above and from below in a lattice cell.
@@ -86,7 +86,8 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     }
     let root = roots[i];
     let at = skin_point(root.prism, root_lambda(root));
-    let tone = 1.0 + groom.color_variation * (2.0 * random(root.seed, 6u) - 1.0);
+    let hairs = hairs_at(at);
+    let tone = 1.0 + hairs.color_variation * (2.0 * random(root.seed, 6u) - 1.0);
     let color_root = color(GUARD_COLOR_ROOT, at) * tone;
     let color_tip = color(GUARD_COLOR_TIP, at) * tone;
     let glint_angle = radians(30.0 + 15.0 * random(root.seed, 7u));
@@ -103,7 +104,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let tangent = strand_tangent(first, k, groom.segments);
         let view = to_eye(x);
         let s = f32(k) / f32(groom.segments);
-        let albedo = clamp(mix(color_root, color_tip, tip_share(s)), vec3f(0.0), vec3f(1.0));
+        let albedo = clamp(mix(color_root, color_tip, tip_share(hairs.color_transition, s)), vec3f(0.0), vec3f(1.0));
         let word = shade_word(first + k);
         if FEATURES {
             shades[word + 1u] = vec2u(pack_albedo(albedo), pack_direction(tangent));
@@ -140,7 +141,7 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         }
         if groom.paper == 1u {
             // Darkening that grows exponentially towards the skin. [Andersen2016] sec. 3.1
-            radiance *= 1.0 - groom.root_darkening.x * exp(-s / groom.root_darkening.y);
+            radiance *= 1.0 - hairs.root_darkening.x * exp(-s / hairs.root_darkening.y);
         }
         shades[word] = pack_half4(vec4f(radiance, 0.0));
     }

@@ -21,9 +21,10 @@
 #import shared/strands
 #import shared/strand_curve
 
-// Vector from p to the nearest clump centre; a jittered grid has one in each cell. [Worley1996]
-fn to_clump(p: vec3f) -> vec3f {
-    let size = inverseSqrt(max(groom.clump_density, 1e-6));
+// Vector from p to the nearest clump centre, of which there are so many 1/cm2; a jittered grid has
+// one in each cell. [Worley1996]
+fn to_clump(p: vec3f, clump_density: f32) -> vec3f {
+    let size = inverseSqrt(max(clump_density, 1e-6));
     let cell = vec3i(floor(p / size));
     var best = vec3f(0.0);
     var least = 1e30;
@@ -42,13 +43,35 @@ fn to_clump(p: vec3f) -> vec3f {
 
 // Diameter at s (0 root, 1 tip), cm, interpolated between root, widest place and tip; smooth at the
 // widest place.
-fn diameter(s: f32) -> f32 {
-    if s < groom.widest {
-        let x = s / max(groom.widest, 1e-3);
-        return mix(groom.diameter.x, groom.diameter.y, x * x * (3.0 - 2.0 * x));
+fn diameter(hairs: GuardHairs, s: f32) -> f32 {
+    if s < hairs.widest {
+        let x = s / max(hairs.widest, 1e-3);
+        return mix(hairs.diameter.x, hairs.diameter.y, x * x * (3.0 - 2.0 * x));
     }
-    let x = (s - groom.widest) / max(1.0 - groom.widest, 1e-3);
-    return mix(groom.diameter.y, groom.diameter.z, x * x);
+    let x = (s - hairs.widest) / max(1.0 - hairs.widest, 1e-3);
+    return mix(hairs.diameter.y, hairs.diameter.z, x * x);
+}
+
+// Pull of one coat's tips towards clump centres.
+fn coat_pull(coat: u32, at: SkinPoint) -> vec3f {
+    let clump = coat_scalar(coat, GUARD_CLUMP, at);
+    if clump <= 0.0 {
+        return vec3f(0.0);
+    }
+    let offset = to_clump(at.position - groom.origin, groom.coats[coat].hairs.clump_density);
+    return clump * (offset - at.normal * dot(at.normal, offset));
+}
+
+// Pull of the tips towards clump centres, cm.
+fn clump_pull(at: SkinPoint) -> vec3f {
+    var pull = coat_pull(0u, at);
+    for (var coat = 1u; coat < COATS; coat++) {
+        let share = hair_share(coat, at);
+        if share > 0.0 {
+            pull = over3(pull, coat_pull(coat, at), share);
+        }
+    }
+    return pull;
 }
 
 @compute @workgroup_size(64)
@@ -65,22 +88,17 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
     let side = sides.side;
     let other = sides.other;
 
-    let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - groom.length_variation * random(seed, 0u));
-    let combed = groom.comb_direction - n * dot(n, groom.comb_direction);
+    let hairs = hairs_at(at);
+    let length_cm = scalar(GUARD_LENGTH, at) * (1.0 - hairs.length_variation * random(seed, 0u));
     // The random lean is normally distributed along both tangential axes. [BoxMuller1958]
-    let spread = groom.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
+    let spread = hairs.spread * sqrt(-2.0 * log(1.0 - random(seed, 1u)));
     let phi = TAU * random(seed, 2u);
-    let lean = combed * scalar(GUARD_COMB, at) + spread * side_at(sides, phi);
+    let lean = combed_lean(at, n) + spread * side_at(sides, phi);
     let leg = length_cm / 3.0;
-    let legs = leg_directions(n, lean, groom.gravity);
+    let legs = leg_directions(n, lean, hairs.gravity);
     let polygon = control_polygon(n, legs[0] * leg, legs[1] * leg, legs[2] * leg);
 
-    let clump = scalar(GUARD_CLUMP, at);
-    var pull = vec3f(0.0);
-    if clump > 0.0 {
-        let offset = to_clump(at.position - groom.origin);
-        pull = clump * (offset - n * dot(n, offset));
-    }
+    let pull = clump_pull(at);
     let curl = scalar(GUARD_CURL, at);
     let frizz = scalar(GUARD_FRIZZ, at);
     let curl_phase = TAU * random(seed, 3u);
@@ -91,12 +109,12 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let s = f32(k) / f32(segments);
         var p = bezier(polygon, s);
         p += pull * s * s;
-        let turn = curl_phase + TAU * groom.curl_frequency * length_cm * s;
+        let turn = curl_phase + TAU * hairs.curl_frequency * length_cm * s;
         p += curl * s * ((cos(turn) - cos(curl_phase)) * side + (sin(turn) - sin(curl_phase)) * other);
-        let wave = frizz_phase + TAU * groom.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
+        let wave = frizz_phase + TAU * hairs.frizz_frequency * length_cm * s * vec2f(1.0, 1.37);
         p += frizz * s * (sin(wave.x) * side + sin(wave.y) * other);
-        let opacity = groom.opacity * exp(-groom.tip_fade * s);
-        let radius = 0.5 * thickness * diameter(s);
+        let opacity = hairs.opacity * exp(-hairs.tip_fade * s);
+        let radius = 0.5 * thickness * diameter(hairs, s);
         strand_vertices[i * (segments + 1u) + k] = pack_strand_vertex(at.position + p, radius, opacity);
     }
 }

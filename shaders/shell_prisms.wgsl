@@ -35,7 +35,7 @@ fn triangle_vertices(t: u32) -> vec3u {
 // Shell height that the groom asks for at a vertex, cm.
 fn wanted_height(v: u32) -> f32 {
     let s = skin_vertices[v];
-    return max(0.0, scalar(UNDERCOAT_HEIGHT, point_of_vertex(s, vertex_uv[v])));
+    return max(0.0, scalar(UNDERCOAT_HEIGHT, point_of_vertex(s, vertex_uv[v], v)));
 }
 
 // Where normals converge below the wanted height, the shell would fold over: the three vertices of

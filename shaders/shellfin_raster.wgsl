@@ -87,6 +87,7 @@ struct ShellVarying {
     @location(8) lean: vec3f,      // direction of hairs other than guard hairs
     @location(9) @interpolate(flat) row: u32,
     @location(10) @interpolate(flat) patch_index: u32,
+    @location(11) length: f32,     // 0 where a part is bare
 }
 
 struct Lit {
@@ -109,8 +110,13 @@ fn shell_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) row: u32
     let skin = shell_vertices[corner.vertex];
     let tangent = unpack_direction(bitcast<u32>(p.w));
     let lean = unpack_direction(row_lights[at].w);
+    var length = 1.0;
+    if COATS > 1u {
+        length = scalar(SHELL_LENGTH, point_of_vertex(skin, corner.skin_uv, corner.vertex));
+    }
     return ShellVarying(clip_from_world(p.xyz), corner.uv / shellfin.torus, p.xyz, skin.normal, tangent,
-        lit.undercoat, lit.guard, corner.skin_uv, unpack4x8unorm(skin.color), lean, row, corner.patch_index);
+        lit.undercoat, lit.guard, corner.skin_uv, unpack4x8unorm(skin.color), lean, row, corner.patch_index,
+        length);
 }
 
 // Lit colour of a texel `whole`, of which `guard` is guard hair.
@@ -190,11 +196,12 @@ fn shell_fragment(in: ShellVarying) -> @location(0) vec4f {
     }
     let n = normalize(in.normal);
     var tint = vec3f(1.0);
-    var bald = false;
+    var bald = in.length <= 0.0;
     if MAPPED {
-        let at = SkinPoint(in.position, n, in.skin_uv, in.color);
-        tint = color(SHELL_COLOR, at);
-        bald = scalar(SHELL_LENGTH, at) <= 0.0;
+        // Parts have no values of their own but the length of bare skin, which is interpolated.
+        let at = SkinPoint(in.position, n, in.skin_uv, in.color, vec3u(0u), vec3f(0.0));
+        tint = coat_color(0u, SHELL_COLOR, at);
+        bald = bald || coat_scalar(0u, SHELL_LENGTH, at) <= 0.0;
     }
     let lit = Lit(in.undercoat, in.guard);
     var out = lit_color(whole, guard, lit);
@@ -281,7 +288,7 @@ fn fin_vertex(@builtin(vertex_index) i: u32, @builtin(instance_index) edge_index
     let u = random(seed, 0u) + select(0.0, width / shellfin.fin_length, right);
     var tint = vec3f(1.0);
     if MAPPED {
-        tint = color(SHELL_COLOR, point_of_vertex(skin, vertex_uv[v]));
+        tint = coat_color(0u, SHELL_COLOR, point_of_vertex(skin, vertex_uv[v], v));
     }
     return FinVarying(clip_from_world(row_positions[at].xyz), vec2f(u, shell_rows[row].height), lit.undercoat,
         lit.guard, tint, fade);

@@ -61,15 +61,17 @@ struct HairRoot {
     at: SkinPoint,
     lean: vec3f,   // tangential; its length is the tangent of the angle
     height: f32,   // of the fur, cm above the skin at row height 1
+    gravity: f32,
     tint: vec3f,   // factor on the light
 }
 
 fn root_of(v: u32) -> HairRoot {
     let vertex = shell_vertices[v];
-    let at = point_of_vertex(vertex, vertex_uv[v]);
+    let at = point_of_vertex(vertex, vertex_uv[v], v);
     var lean = shellfin.comb;
     if shellfin.curved == 1u {
-        lean += groom.comb_direction * scalar(GUARD_COMB, at);
+        // Projected below, together with the rest.
+        lean += combed_lean(at, vec3f(0.0));
     }
     var tint = vec3f(1.0);
     for (var i = 0u; i < shellfin.brushes; i++) {
@@ -84,7 +86,7 @@ fn root_of(v: u32) -> HairRoot {
         // Where the prism shell was lowered because it would fold over, so are the textured shells.
         height *= clamp(vertex.height / max(scalar(UNDERCOAT_HEIGHT, at), 1e-4), 0.0, 1.0);
     }
-    return HairRoot(at, lean, height, tint);
+    return HairRoot(at, lean, height, hairs_at(at).gravity, tint);
 }
 
 // Position of the hair at row height s relative to its root, in units of the fur's height.
@@ -95,7 +97,7 @@ fn hair(root: HairRoot, s: f32) -> vec3f {
         // The groom's strand without its random parts (shaders/guard_strands.wgsl), scaled so that
         // its tip is as high as the fur. Heights grow linearly with s, as those of the texture's
         // layers do.
-        let legs = leg_directions(n, root.lean, groom.gravity);
+        let legs = leg_directions(n, root.lean, root.gravity);
         let polygon = control_polygon(n, legs[0] / 3.0, legs[1] / 3.0, legs[2] / 3.0);
         let b = bezier(polygon, s) / max(dot(polygon.p3, n), 0.25);
         p = b + n * (s - dot(b, n));

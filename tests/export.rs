@@ -65,6 +65,7 @@ fn strands() -> Vec<Strands> {
             hairs: vec![hair(0, 0b111), hair(1, 0b101)],
             opacity,
             color_transition: [0.5, 1.0],
+            color_transitions: Vec::new(),
         },
         Strands {
             layer: Layer::Undercoat,
@@ -73,6 +74,7 @@ fn strands() -> Vec<Strands> {
             hairs: vec![coat],
             opacity: Vec::new(),
             color_transition: [0.5, 1.0],
+            color_transitions: Vec::new(),
         },
     ]
 }

@@ -69,11 +69,12 @@ fn strands_are_as_long_as_they_should_be_and_stay_above_the_skin() {
 #[test]
 fn the_diameter_goes_from_root_to_widest_to_tip() {
     let groom = pelage_fur::groom::pack(&haired(PLAIN)).unwrap().groom;
-    let [root, widest, tip] = groom.diameter;
-    for (s, wanted) in [(0.0, root), (groom.widest, widest), (1.0, tip)] {
-        assert!((diameter(&groom, s) - wanted).abs() < 1e-6 * widest, "at {s}");
+    let hairs = groom.coats[0].hairs;
+    let [root, widest, tip] = hairs.diameter;
+    for (s, wanted) in [(0.0, root), (hairs.widest, widest), (1.0, tip)] {
+        assert!((diameter(&hairs, s) - wanted).abs() < 1e-6 * widest, "at {s}");
     }
-    let steps: Vec<f32> = (0..=1000).map(|i| diameter(&groom, i as f32 / 1000.0)).collect();
+    let steps: Vec<f32> = (0..=1000).map(|i| diameter(&hairs, i as f32 / 1000.0)).collect();
     assert!(steps.windows(2).all(|w| (w[1] - w[0]).abs() < 0.01 * widest), "no jump");
     assert!(steps.iter().all(|d| *d <= widest + 1e-9));
 }

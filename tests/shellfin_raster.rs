@@ -34,7 +34,7 @@ fn both(text: &str, maps: FurTextures, change: impl Fn(&mut Picture<'_>)) -> Opt
     let scope = fur.fur.scope().with(&[&frame, &buffer]);
     let scope =
         scope.and("color_target", Resource::Texture(color)).and("depth_target", Resource::Texture(depth));
-    let uses = Uses { guard: false, detail: false, shadow: false, mapped: false, outline: 0 };
+    let uses = Uses { guard: false, detail: false, shadow: false, mapped: false, outline: 0, coats: 1 };
     let mut recorder = Recorder::new(gpu);
     ShellfinRaster::new(gpu, uses).unwrap().record_samples(&mut recorder, &scope, samples).unwrap();
     recorder.submit(&mut timings).unwrap();

@@ -10,5 +10,6 @@ fn skin_point(prism: u32, lambda: vec3f) -> SkinPoint {
     let uv = interpolate2(lambda, corner_uv[corner], corner_uv[corner + 1u], corner_uv[corner + 2u]);
     let color = interpolate4(lambda, unpack4x8unorm(shell_vertices[v.x].color),
         unpack4x8unorm(shell_vertices[v.y].color), unpack4x8unorm(shell_vertices[v.z].color));
-    return SkinPoint(skin_position(v, lambda), skin_normal(v, lambda), uv, color);
+    return SkinPoint(skin_position(v, lambda), skin_normal(v, lambda), uv, color,
+        vec3u(corner, corner + 1u, corner + 2u), lambda);
 }

@@ -6,7 +6,8 @@ use super::output::{self, count, human_bytes};
 use clap::Args;
 use pelage::render::{self, RenderOptions};
 use pelage::scene::Scalar;
-use pelage::{Error, Result, World};
+use pelage::{Error, Result, Scene, World};
+use pelage_core::scene::Coat;
 use pelage_fur::extent::Extent;
 use pelage_render::prepare::{lattice_bytes, stores_undercoat, strand_bytes};
 use serde::Serialize;
@@ -64,6 +65,8 @@ const TRIANGLE: u64 = 24 + 6 * 16;
 const SUBELEMENT: u64 = 4;
 /// The least that any adapter allows for a binding.
 const BINDING: u64 = 128 << 20;
+// Of up to four parts that choose groups or materials, at a corner or a vertex.
+const COVERAGE: u64 = 8;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
@@ -111,14 +114,17 @@ fn counts(world: &World) -> Counts {
 }
 
 fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
+    let segments = world.scene.coats().map(|coat| coat.guard.segments).max().unwrap_or(1);
+    let lanes = world.scene.parts.iter().filter(|part| part.has_sections()).count() as u64;
     let media = counts.subelements * SUBELEMENT;
     let stored = stores_undercoat(world, media, BINDING);
     Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
-        strands: counts.strands * strand_bytes(world.scene.guard.segments, false),
+        strands: counts.strands * strand_bytes(segments, false),
         undercoat: if stored { media } else { 0 },
         lattice: lattice_bytes(world)?,
-        maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
+        maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum::<u64>()
+            + (3 * counts.triangles + counts.vertices) * COVERAGE * lanes.div_ceil(4),
         budget: world.scene.render.memory,
     })
 }
@@ -128,24 +134,26 @@ fn largest_side(c: &Counts) -> f32 {
     c.extent.iter().copied().fold(0.0, f32::max)
 }
 
-/// A length in cm with its share of the body's largest side.
-fn against_body(length: &Scalar, c: &Counts) -> String {
-    let up_to = if matches!(length, Scalar::Constant(_)) { "" } else { "up to " };
-    let share = 100.0 * length.max() / largest_side(c);
+/// The longest of a length of all coats, in cm, with its share of the body's largest side.
+fn against_body<'a>(scene: &'a Scene, of: impl Fn(&Coat<'a>) -> &'a Scalar, c: &Counts) -> String {
+    let longest = scene.coats().map(|coat| of(&coat).max()).fold(f32::NEG_INFINITY, f32::max);
+    let everywhere = scene.coats().all(|coat| *of(&coat) == Scalar::Constant(longest));
+    let up_to = if everywhere { "" } else { "up to " };
+    let share = 100.0 * longest / largest_side(c);
     let share =
         if share.is_finite() { format!(", {share:.1} % of the body's largest side") } else { String::new() };
-    format!("{up_to}{} cm{share}", length.max())
+    format!("{up_to}{longest} cm{share}")
 }
 
 fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
     let (scene, [x, y, z]) = (&world.scene, c.extent);
     let mut text = format!("body         {x:.2} x {y:.2} x {z:.2} cm, skin {:.1} cm²\n", c.area);
     if c.strands > 0 {
-        let length = against_body(&scene.guard.length, c);
+        let length = against_body(scene, |coat| &coat.guard.length, c);
         text += &format!("guard hairs  {}, {length}\n", count(c.strands));
     }
     if c.undercoat_hairs > 0 {
-        let height = against_body(&scene.undercoat.height, c);
+        let height = against_body(scene, |coat| &coat.undercoat.height, c);
         let hairs = count(c.undercoat_hairs);
         text += &format!("undercoat    {hairs} hairs in {} subelements, {height}\n", count(c.subelements));
     }

@@ -26,6 +26,7 @@ pub fn strands(layer: Layer, segments: usize, points: Vec<Vec4>, color: Vec3) ->
         hairs: vec![hair(color); count],
         opacity: Vec::new(),
         color_transition: [0.5, 0.5],
+        color_transitions: Vec::new(),
     }
 }
 

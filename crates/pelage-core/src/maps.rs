@@ -2,7 +2,7 @@
 
 use crate::assets::Assets;
 use crate::film::io;
-use crate::scene::{Color, Scalar};
+use crate::scene::{Coat, Color, Part, Scalar};
 use crate::{Error, Result, Scene};
 use glam::{Vec2, Vec3, Vec4};
 use std::path::Path;
@@ -89,7 +89,32 @@ fn maps_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
 
 /// As [`maps_of`], with vertex colours.
 fn names_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
-    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
+    let mut maps = maps_of_coat(&scene.own_coat());
+    if let Scalar::Mapped(m) = &scene.shells.length {
+        maps.push((m.map.as_str(), m.layer.as_str(), false));
+    }
+    if let Color::Mapped(m) = &scene.shells.color {
+        maps.push((m.map.as_str(), m.layer.as_str(), true));
+    }
+    maps.extend(scene.parts.iter().flat_map(|part| maps_of_part(scene, part)));
+    maps
+}
+
+/// The images of a part: its mask, and those of its coat.
+fn maps_of_part<'a>(scene: &'a Scene, part: &'a Part) -> Vec<(&'a str, &'a str, bool)> {
+    let mut maps: Vec<_> =
+        part.mask.iter().map(|mask| (mask.map.as_str(), mask.layer.as_str(), false)).collect();
+    if let Some(coat) = scene.coat_of(part) {
+        maps.extend(maps_of_coat(&coat));
+    } else if let Some(Color::Mapped(m)) = part.base.as_ref().map(|base| &base.color) {
+        maps.push((m.map.as_str(), m.layer.as_str(), true));
+    }
+    maps
+}
+
+/// The images of a coat, scalars first.
+fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, &'a str, bool)> {
+    let (guard, undercoat) = (coat.guard, coat.undercoat);
     let scalars = [
         &guard.density,
         &guard.length,
@@ -100,28 +125,18 @@ fn names_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
         &guard.frizz,
         &undercoat.density,
         &undercoat.height,
-        &scene.shells.length,
     ];
-    let colors = [
-        &guard.color_root,
-        &guard.color_tip,
-        &undercoat.color_root,
-        &undercoat.color_tip,
-        &scene.base.color,
-        &scene.shells.color,
-    ];
-    let mut maps = Vec::new();
-    for s in scalars {
-        if let Scalar::Mapped(m) = s {
-            maps.push((m.map.as_str(), m.layer.as_str(), false));
-        }
-    }
-    for c in colors {
-        if let Color::Mapped(m) = c {
-            maps.push((m.map.as_str(), m.layer.as_str(), true));
-        }
-    }
-    maps
+    let colors =
+        [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &coat.base.color];
+    let scalars = scalars.into_iter().filter_map(|s| match s {
+        Scalar::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), false)),
+        Scalar::Constant(_) => None,
+    });
+    let colors = colors.into_iter().filter_map(|c| match c {
+        Color::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), true)),
+        Color::Constant(_) => None,
+    });
+    scalars.chain(colors).collect()
 }
 
 /// Reads one image, replaces values that are not finite by 0, and reduces it to [`MAX_SIDE`].

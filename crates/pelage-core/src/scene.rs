@@ -17,6 +17,8 @@ mod mesh;
 pub mod model;
 mod output;
 mod overrides;
+mod part;
+mod parts;
 pub mod preset;
 mod rules;
 mod schema;

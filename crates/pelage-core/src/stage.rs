@@ -30,13 +30,16 @@ pub fn complete(scene: &mut Scene, skin: &Skin) -> Vec<String> {
         ));
     }
     if let Some(front) = front {
-        let [x, y, z] = scene.guard.comb_direction;
-        scene.guard.comb_direction = match front {
+        let turned = |[x, y, z]: [f32; 3]| match front {
             Front::X => [-z, y, x],
             Front::NegativeX => [z, y, -x],
             Front::Z => [-x, y, -z],
             Front::NegativeZ | Front::Auto => [x, y, z],
         };
+        let of_parts = scene.parts.iter_mut().filter_map(|part| part.guard.as_mut());
+        for guard in std::iter::once(&mut scene.guard).chain(of_parts) {
+            guard.comb_direction = turned(guard.comb_direction);
+        }
     }
     if scene.camera.frame == Framing::Auto {
         let view = scene.camera.view.unwrap_or_else(|| view_of(front.unwrap_or_else(|| front_of(skin).0)));
@@ -62,11 +65,14 @@ pub fn complete(scene: &mut Scene, skin: &Skin) -> Vec<String> {
     notes
 }
 
-/// The longest hair, cm, with the largest value of maps.
+/// The longest hair of all coats, cm, with the largest value of maps.
 pub fn longest_hair(scene: &Scene) -> f32 {
     let longest = |density: f32, length: f32| if density > 0.0 { length } else { 0.0 };
-    longest(scene.guard.density.max(), scene.guard.length.max())
-        .max(longest(scene.undercoat.density.max(), scene.undercoat.height.max()))
+    scene.largest(|coat| {
+        let (guard, undercoat) = (coat.guard, coat.undercoat);
+        longest(guard.density.max(), guard.length.max())
+            .max(longest(undercoat.density.max(), undercoat.height.max()))
+    })
 }
 
 /// Where a body probably faces. Animals are the same left and right, so it faces along the axis

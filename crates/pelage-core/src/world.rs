@@ -39,6 +39,8 @@ impl World {
                 "warning: {name} has no vertex colours: what the scene reads from \"{VERTEX_COLOR}\" is white everywhere"
             ));
         }
+        crate::parts::check(&scene, &skin)?;
+        skin.notes.extend(crate::parts::notes(&scene));
         let mut notes = skin.notes.clone();
         notes.extend(stage::complete(&mut scene, &skin));
         let lights = crate::light::lights_of(&scene, assets)?;

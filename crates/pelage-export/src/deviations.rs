@@ -120,7 +120,9 @@ fn lights(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
     if job.world.lights.iter().any(|l| !l.undercoat) {
         notes.push("the environment does not light the undercoat in the scene; here it does".into());
     }
-    if scene.base.color != pelage_core::scene::Color::Constant([0.0; 3]) && skin_colors(job.world).len() > 1 {
+    if (scene.base.color != pelage_core::scene::Color::Constant([0.0; 3]) || !scene.parts.is_empty())
+        && skin_colors(job.world).len() > 1
+    {
         notes.push(match target {
             Target::Pbrt => "the skin's mapped colour is its mean".into(),
             _ => "the skin's mapped colour is taken at the vertices and interpolated".to_owned(),

@@ -59,7 +59,7 @@ fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {
     }
     for run in curves::runs(strands) {
         for k in 0..run.points.len() {
-            float(out, 1.0 - opacity(strands, run.first + k))?;
+            float(out, 1.0 - strands.opacity_at(run.hair, run.first + k))?;
         }
     }
     for run in curves::runs(strands) {
@@ -68,9 +68,4 @@ fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {
         }
     }
     Ok(())
-}
-
-/// Opacity at a point, which is the same for all strands.
-pub(super) fn opacity(strands: &Strands, point: usize) -> f32 {
-    strands.opacity.get(point).copied().unwrap_or(1.0)
 }

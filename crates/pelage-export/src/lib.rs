@@ -22,6 +22,7 @@ use pelage_core::assets::Assets;
 use pelage_core::light::Light;
 use pelage_core::scene::Color;
 use pelage_core::{Error, Result, World, files, mesh};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
 use pelage_pathtrace::strands::Strands;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -182,6 +183,9 @@ impl Job<'_> {
 /// vertex colours.
 pub fn skin_colors(world: &World) -> Vec<Vec3> {
     let (skin, color) = (&world.skin, &world.scene.base.color);
+    if !world.scene.parts.is_empty() {
+        return colors_with_parts(world);
+    }
     let map = match color {
         Color::Constant(c) => return vec![Vec3::from(*c)],
         Color::Mapped(map) => map,
@@ -203,6 +207,27 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     }
     let uv = pelage_fur::surface::vertex_uv(skin);
     uv.into_iter().map(|uv| texel(image.bilinear(uv.into()))).collect()
+}
+
+/// [`skin_colors`] by the packed groom, which knows the parts; one value if they are all the same.
+fn colors_with_parts(world: &World) -> Vec<Vec3> {
+    let skin = &world.skin;
+    let (groom, texels) = pelage_fur::groom::pack_parameters(world, None);
+    let maps = Maps { groom: &groom, texels: &texels };
+    let uv = pelage_fur::surface::vertex_uv(skin);
+    let at = |v: usize| SkinPoint {
+        position: skin.positions[v],
+        normal: skin.normals[v],
+        uv: uv[v].into(),
+        color: skin.vertex_color(v),
+        place: MeshPlace::Vertex(v as u32),
+    };
+    let color = |v| maps.color(Parameter::BaseColor, &at(v)).clamp(Vec3::ZERO, Vec3::ONE);
+    let mut colors: Vec<Vec3> = (0..skin.positions.len()).map(color).collect();
+    if colors.windows(2).all(|pair| pair[0] == pair[1]) {
+        colors.truncate(1);
+    }
+    colors
 }
 
 /// The mean of [`skin_colors`].

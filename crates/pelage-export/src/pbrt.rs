@@ -205,6 +205,7 @@ mod tests {
             hairs: (0..2000).map(hair).collect(),
             opacity: Vec::new(),
             color_transition: [0.5, 1.0],
+            color_transitions: Vec::new(),
         };
         let bins = Bins::of(&strands);
         assert!(bins.colors.len() > MOST_BINS / 4 && bins.colors.len() <= MOST_BINS, "{}", bins.colors.len());

@@ -1,7 +1,7 @@
 //! OpenUSD in text form: everything but the sky's map in one file, scene.usda.
 
 use super::sky::{self, Sky};
-use super::{Job, curves, hair, skin_colors};
+use super::{Job, curves, skin_colors};
 use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::light::Light;
@@ -186,8 +186,8 @@ fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {
     })?;
     interpolation(out, "vertex")?;
     if !strands.opacity.is_empty() {
-        array(out, "float[] primvars:displayOpacity", at(), |out, (_, k)| {
-            write!(out, "{}", hair::opacity(strands, k))
+        array(out, "float[] primvars:displayOpacity", at(), |out, (hair, k)| {
+            write!(out, "{}", strands.opacity_at(hair, k))
         })?;
         interpolation(out, "vertex")?;
     }

@@ -14,7 +14,7 @@ pub const MOST_GUARD_HAIRS: f64 = 2e8;
 /// like a mistake.
 pub const LONGEST_PART: f32 = 0.25;
 
-/// Expected size of a fur, with the largest values of maps.
+/// Expected size of a fur, with the largest values of all coats and maps.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Extent {
     /// Area of the skin, cm².
@@ -36,15 +36,17 @@ impl Extent {
     pub fn of(world: &World) -> Self {
         let (scene, skin) = (&world.scene, &world.skin);
         let [guard, undercoat] = [groom::has_guard(scene), groom::has_undercoat(scene)];
-        let density = if guard { f64::from(scene.guard.density.max()) } else { 0.0 };
+        let density = if guard { f64::from(groom::guard_density(scene).max(0.0)) } else { 0.0 };
         let area = skin.area();
-        let length = if guard { scene.guard.length.max() } else { 0.0 };
+        let length = if guard { groom::guard_length(scene) } else { 0.0 };
+        let height = scene.largest(|coat| coat.undercoat.height.max());
+        let undercoat_density = scene.largest(|coat| coat.undercoat.density.max());
         Self {
             area,
             longest_side: longest_side(skin),
-            longest_hair: length.max(if undercoat { scene.undercoat.height.max() } else { 0.0 }),
+            longest_hair: length.max(if undercoat { height } else { 0.0 }),
             guard_hairs: area * density,
-            undercoat_hairs: if undercoat { area * f64::from(scene.undercoat.density.max()) } else { 0.0 },
+            undercoat_hairs: if undercoat { area * f64::from(undercoat_density.max(0.0)) } else { 0.0 },
             subelements: subdivide(skin, world, undercoat).1,
         }
     }

@@ -1,17 +1,21 @@
 //! The groom, as the passes read it: values of the scene in the units and structs of the shaders.
 
+mod coats;
+mod coverage;
 mod lights;
 mod map_packer;
 
 use crate::fibre::Fibre;
-use crate::layout::{Groom, Light, LightParameters, Noise, UndercoatParameters};
+use crate::layout::{self, Groom, Light, LightParameters, MAX_COATS, Noise, UndercoatParameters};
+use crate::parameters::NO_LANE;
 use crate::simplex::noise_tables;
+use bytemuck::Zeroable;
+use coverage::Coverage;
 use glam::Vec3;
 use lights::pack_lights;
 use map_packer::MapPacker;
 use pelage_core::scene::{
-    Blend, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scalar, Scene, Shading,
-    ShellLighting,
+    Blend, Coat, FibreModel, FibreSpec, FurLayers, MultipleModel, NoiseDomain, Scene, Shading, ShellLighting,
 };
 use pelage_core::{Result, World};
 
@@ -49,14 +53,13 @@ fn lit_shells(scene: &Scene) -> bool {
 /// Whether the guard hairs, or at least their shadows, are rendered.
 pub fn has_guard(scene: &Scene) -> bool {
     (matches!(scene.render.fur, FurLayers::Explicit | FurLayers::Hybrid) || lit_shells(scene))
-        && scene.guard.density.max() > 0.0
+        && guard_density(scene) > 0.0
 }
 
 /// Whether the undercoat, or at least its shadow, is rendered.
 pub fn has_undercoat(scene: &Scene) -> bool {
     (matches!(scene.render.fur, FurLayers::Implicit | FurLayers::Hybrid) || lit_shells(scene))
-        && scene.undercoat.density.max() > 0.0
-        && scene.undercoat.height.max() > 0.0
+        && scene.coats().any(|coat| coat.undercoat.density.max() > 0.0 && coat.undercoat.height.max() > 0.0)
 }
 
 /// The model of multiple scattering; never [`MultipleModel::Auto`].
@@ -89,76 +92,81 @@ pub fn tau_stride(scene: &Scene, lights: u32) -> u32 {
     tau_pairs(lights) + if scattered { SCATTERED_WORDS } else { 0 }
 }
 
-/// Height of the prism shell as a parameter: that of the undercoat. Without an undercoat the shell
-/// still carries the optical-depth lattice of the guard hairs.
-fn shell_height(scene: &Scene) -> Scalar {
-    if has_undercoat(scene) {
-        scene.undercoat.height.clone()
-    } else {
-        Scalar::Constant(0.5 * scene.guard.length.max().max(0.02))
+/// Largest density of the guard hairs in all coats, hairs/cm².
+pub fn guard_density(scene: &Scene) -> f32 {
+    scene.largest(|coat| coat.guard.density.max())
+}
+
+/// Largest length of the guard hairs in all coats, cm.
+pub fn guard_length(scene: &Scene) -> f32 {
+    scene.largest(|coat| coat.guard.length.max())
+}
+
+/// Largest density of the undercoat in all coats, hairs/cm² of the diameter of the scene's own.
+pub fn undercoat_density(scene: &Scene) -> f32 {
+    scene.largest(|coat| coat.undercoat.density.max() * relative_diameter(scene, coat))
+}
+
+/// Diameter of a coat's undercoat at the root relative to the scene's own. All of the undercoat has
+/// the diameter of the latter; as much more or less of it blocks as much light.
+fn relative_diameter(scene: &Scene, coat: &Coat<'_>) -> f32 {
+    match (coat.undercoat.diameter[0], scene.undercoat.diameter[0]) {
+        (of_coat, own) if of_coat == own => 1.0,
+        (of_coat, own) => of_coat / own.max(1e-6),
     }
 }
 
+/// Height of the prism shell where there is no undercoat, cm: the shell then carries the
+/// optical-depth lattice of the guard hairs alone. `None` where it is the undercoat's.
+fn bare_height(scene: &Scene) -> Option<f32> {
+    (!has_undercoat(scene)).then(|| 0.5 * guard_length(scene).max(0.02))
+}
+
 /// Packs the parameters, the settings of the guard hairs, and the texels of all maps. `height` is
-/// the parameter [`UndercoatHeight`](crate::parameters::Parameter::UndercoatHeight).
-pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>) {
+/// [`UndercoatHeight`](crate::parameters::Parameter::UndercoatHeight) of all coats, cm, by default
+/// the height of each coat's undercoat.
+pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 2]>) {
     let scene = &world.scene;
     let mut maps = MapPacker::new(&world.maps, world.skin.corner_uv.is_some());
-    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
+    let mut coats = vec![coats::own(scene, &mut maps, height)];
+    let mut lanes = 0..;
+    for part in scene.parts.iter().take(MAX_COATS - 1) {
+        let lane = if part.has_sections() { lanes.next() } else { None };
+        coats.push(coats::of_part(scene, part, &mut maps, height, lane.unwrap_or(NO_LANE)));
+    }
+    let count = coats.len() as u32;
+    coats.resize(MAX_COATS, layout::Coat::zeroed());
+    let coverage = Coverage::new(scene, &world.skin);
+    let mut texels = maps.finish();
+    let coverage_base = texels.len() as u32;
+    texels.extend(coverage.texels());
     let groom = Groom {
-        parameters: [
-            maps.scalar(&guard.density),
-            maps.scalar(&guard.length),
-            maps.scalar(&guard.thickness),
-            maps.scalar(&guard.comb),
-            maps.scalar(&guard.clump),
-            maps.scalar(&guard.curl),
-            maps.scalar(&guard.frizz),
-            maps.color(&guard.color_root),
-            maps.color(&guard.color_tip),
-            maps.scalar(&undercoat.density),
-            maps.scalar(height),
-            maps.color(&undercoat.color_root),
-            maps.color(&undercoat.color_tip),
-            maps.color(&scene.base.color),
-            maps.color(&scene.shells.color),
-            maps.scalar(&scene.shells.length),
-        ],
-        comb_direction: Vec3::from(guard.comb_direction).normalize_or_zero().into(),
-        segments: guard.segments,
-        diameter: guard.diameter.map(|um| um * 1e-4),
-        widest: guard.widest,
-        color_transition: guard.color_transition,
-        color_variation: guard.color_variation,
-        length_variation: guard.length_variation,
-        gravity: guard.gravity,
-        spread: guard.spread.to_radians().tan(),
-        clump_density: guard.clump_density,
-        curl_frequency: guard.curl_frequency,
-        frizz_frequency: guard.frizz_frequency,
-        opacity: guard.opacity,
-        tip_fade: guard.tip_fade,
+        segments: scene.coats().map(|coat| coat.guard.segments).max().unwrap_or(1),
         seed: scene.render.seed,
-        root_darkening: guard.root_darkening,
         paper: u32::from(scene.render.shading == Shading::Paper),
+        coverage_base,
+        coverage_texels: coverage.texels_of_row(),
+        vertex_rows: 3 * world.skin.triangles.len() as u32,
+        count,
         padding: 0,
         origin: scene.mesh.translate,
         more_padding: 0,
+        coats: std::array::from_fn(|i| coats[i]),
     };
-    (groom, maps.finish())
+    (groom, texels)
 }
 
 /// Packs the groom of `world`.
 pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
     let undercoat = &scene.undercoat;
-    let shell_height = shell_height(scene);
-    let (groom, mut texels) = pack_parameters(world, &shell_height);
+    let bare_height = bare_height(scene);
+    let (groom, mut texels) = pack_parameters(world, bare_height);
     let multiple = multiple_model(scene);
-    let comb = Vec3::from(groom.comb_direction);
-    let extinction =
-        if has_undercoat(scene) { undercoat.density.max() * undercoat.diameter[0] * 1e-4 } else { 0.0 };
-    let height = shell_height.max();
+    let comb = Vec3::from(groom.coats[0].hairs.comb_direction);
+    let density = undercoat_density(scene);
+    let extinction = if has_undercoat(scene) { density * undercoat.diameter[0] * 1e-4 } else { 0.0 };
+    let height = bare_height.unwrap_or_else(|| scene.largest(|coat| coat.undercoat.height.max()));
     let free_path = if extinction > 0.0 { 1.0 / extinction } else { height };
     let undercoat = UndercoatParameters {
         layers: undercoat.layers,
@@ -188,7 +196,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
             Blend::Virtual => scene.render.virtual_fragments.max(1),
             Blend::Simplified | Blend::Exact => 0,
         },
-        density: undercoat.density.max().max(1e-6),
+        density: density.max(1e-6),
         attenuation: scene.render.simplified_attenuation,
         origin: scene.mesh.translate,
         padding: 0,

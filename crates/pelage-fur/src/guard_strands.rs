@@ -1,7 +1,7 @@
 //! Twin of `shaders/guard_strands.wgsl`: guard hairs as tessellated cubic Bézier curves.
 // [Andersen2016] sec. 2
 
-use crate::layout::{Groom, Root};
+use crate::layout::{Groom, GuardHairs, Root};
 use crate::parameters::{Maps, Parameter, SkinPoint, root_point};
 use crate::random::{hash2, random};
 use crate::shell::Shell;
@@ -28,6 +28,8 @@ pub struct Strand {
     curl: f32,
     frizz: f32,
     thickness: f32,
+    /// The guard hairs at the root.
+    pub hairs: GuardHairs,
     seed: u32,
 }
 
@@ -55,8 +57,8 @@ pub fn nearest_centre(
 }
 
 /// Vector from `p` (cm) to the nearest clump centre, cm.
-fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
-    let size = 1.0 / groom.clump_density.max(1e-6).sqrt();
+fn to_clump(groom: &Groom, clump_density: f32, p: Vec3) -> Vec3 {
+    let size = 1.0 / clump_density.max(1e-6).sqrt();
     let cell = (p / size).floor().as_ivec3();
     nearest_centre(
         (0..27).map(|i| cell + IVec3::new(i % 3, (i / 3) % 3, i / 9) - 1),
@@ -66,74 +68,70 @@ fn to_clump(groom: &Groom, p: Vec3) -> Vec3 {
 }
 
 /// Diameter at `s` (0 root, 1 tip), cm.
-pub fn diameter(groom: &Groom, s: f32) -> f32 {
-    strand_curve::diameter(groom.diameter, groom.widest, s)
+pub fn diameter(hairs: &GuardHairs, s: f32) -> f32 {
+    strand_curve::diameter(hairs.diameter, hairs.widest, s)
 }
 
 /// Opacity at `s` (0 root, 1 tip).
-pub fn opacity(groom: &Groom, s: f32) -> f32 {
-    groom.opacity * (-groom.tip_fade * s).exp()
+pub fn opacity(hairs: &GuardHairs, s: f32) -> f32 {
+    hairs.opacity * (-hairs.tip_fade * s).exp()
 }
 
 /// Colours at the root and the tip of the hair with this seed, linear RGB.
 pub fn end_colors(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> [Vec3; 2] {
-    let tone = 1.0 + maps.groom.color_variation * (2.0 * random(seed, 6) - 1.0);
+    let tone = 1.0 + maps.hairs_at(at).color_variation * (2.0 * random(seed, 6) - 1.0);
     [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, at) * tone)
 }
 
 /// The strand that grows from a root.
 pub fn strand(shell: &Shell, maps: &Maps<'_>, root: &Root) -> Strand {
     let at = root_point(shell, root);
-    strand_at(maps, &at, sides(at.normal), root.seed, |p| {
-        to_clump(maps.groom, p - Vec3::from(maps.groom.origin))
-    })
+    strand_at_point(maps, &at, root.seed)
+}
+
+/// The strand with this seed that grows at a point of the skin.
+pub fn strand_at_point(maps: &Maps<'_>, at: &SkinPoint, seed: u32) -> Strand {
+    let place = at.position - Vec3::from(maps.groom.origin);
+    strand_at(maps, at, sides(at.normal), seed, |density| to_clump(maps.groom, density, place))
 }
 
 /// The strand with this seed that grows at a point of the skin. `sides` are those of its normal,
-/// from the first of which azimuths are measured; `to_clump` gives the vector from a point to the
-/// nearest clump centre, cm.
+/// from the first of which azimuths are measured; `to_clump` gives the vector from the point to the
+/// nearest clump centre, cm, where there are as many 1/cm² as its argument says.
 pub fn strand_at(
     maps: &Maps<'_>,
     at: &SkinPoint,
     sides: [Vec3; 2],
     seed: u32,
-    to_clump: impl Fn(Vec3) -> Vec3,
+    to_clump: impl Fn(f32) -> Vec3,
 ) -> Strand {
-    let groom = maps.groom;
+    let hairs = maps.hairs_at(at);
     let n = at.normal;
-    let length = maps.scalar(Parameter::GuardLength, at) * (1.0 - groom.length_variation * random(seed, 0));
-    let comb_direction = Vec3::from(groom.comb_direction);
-    let combed = comb_direction - n * n.dot(comb_direction);
-    let spread = groom.spread * rayleigh(random(seed, 1));
+    let length = maps.scalar(Parameter::GuardLength, at) * (1.0 - hairs.length_variation * random(seed, 0));
+    let spread = hairs.spread * rayleigh(random(seed, 1));
     let random_side = side_at(sides, TAU * random(seed, 2));
-    let lean = combed * maps.scalar(Parameter::GuardComb, at) + spread * random_side;
-    let legs = leg_directions(n, lean, groom.gravity).map(|leg| leg * (length / 3.0));
+    let lean = maps.combed_lean(at, n) + spread * random_side;
+    let legs = leg_directions(n, lean, hairs.gravity).map(|leg| leg * (length / 3.0));
     let control = control_polygon(n, legs);
-    let clump = maps.scalar(Parameter::GuardClump, at);
-    let pull = if clump > 0.0 {
-        let offset = to_clump(at.position);
-        clump * (offset - n * n.dot(offset))
-    } else {
-        Vec3::ZERO
-    };
     Strand {
         root: at.position,
         normal: n,
         length,
         control,
-        pull,
+        pull: maps.clump_pull(at, to_clump),
         sides,
         curl: maps.scalar(Parameter::GuardCurl, at),
         frizz: maps.scalar(Parameter::GuardFrizz, at),
         thickness: maps.scalar(Parameter::GuardThickness, at),
+        hairs,
         seed,
     }
 }
 
 impl Strand {
     /// Point at `s` (0 root, 1 tip), world space, cm.
-    pub fn point(&self, groom: &Groom, s: f32) -> Vec3 {
-        let frequencies = [groom.curl_frequency, groom.frizz_frequency];
+    pub fn point(&self, s: f32) -> Vec3 {
+        let frequencies = [self.hairs.curl_frequency, self.hairs.frizz_frequency];
         let [side, other] = self.sides;
         let [curl, frizz] = curl_and_frizz(self.seed, self.length, frequencies, s)
             .map(|across| across.x * side + across.y * other);
@@ -145,8 +143,13 @@ impl Strand {
     }
 
     /// Diameter at `s` (0 root, 1 tip), cm, thickness included.
-    pub fn diameter(&self, groom: &Groom, s: f32) -> f32 {
-        self.thickness * diameter(groom, s)
+    pub fn diameter(&self, s: f32) -> f32 {
+        self.thickness * diameter(&self.hairs, s)
+    }
+
+    /// Opacity at `s` (0 root, 1 tip).
+    pub fn opacity(&self, s: f32) -> f32 {
+        opacity(&self.hairs, s)
     }
 
     /// The tessellated strand, `groom.segments + 1` packed vertices (see [`vertex`]).
@@ -154,7 +157,7 @@ impl Strand {
         (0..=groom.segments)
             .map(|k| {
                 let s = k as f32 / groom.segments as f32;
-                vertex(self.point(groom, s), 0.5 * self.diameter(groom, s), opacity(groom, s))
+                vertex(self.point(s), 0.5 * self.diameter(s), self.opacity(s))
             })
             .collect()
     }

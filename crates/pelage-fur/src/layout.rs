@@ -8,6 +8,11 @@ use bytemuck::{Pod, Zeroable};
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = pelage_core::light::MAX_LIGHTS;
 
+/// Parameters that maps may vary.
+pub const PARAMETERS: usize = 17;
+/// Largest number of coats: the scene's own and those of its parts.
+pub const MAX_COATS: usize = 16;
+
 /// Words of a node of the fragment lists (`shared/oit.wgsl`): link, depth, kind and id, colour.
 pub const NODE_WORDS: u32 = 5;
 /// Further words of a node with features: albedo, tangent.
@@ -144,28 +149,43 @@ shared! {
         padding: [u32; 2],
     }
     /// `shared/groom_types.wgsl`
-    struct Groom {
-        parameters: [Parameter; 16],
+    struct GuardHairs {
         comb_direction: [f32; 3],
-        segments: u32,
-        diameter: [f32; 3],
         widest: f32,
+        diameter: [f32; 3],
+        spread: f32,
         color_transition: [f32; 2],
         color_variation: f32,
         length_variation: f32,
         gravity: f32,
-        spread: f32,
         clump_density: f32,
         curl_frequency: f32,
         frizz_frequency: f32,
+        root_darkening: [f32; 2],
         opacity: f32,
         tip_fade: f32,
+    }
+    /// `shared/groom_types.wgsl`
+    struct Coat {
+        parameters: [Parameter; PARAMETERS],
+        hairs: GuardHairs,
+        lane: u32,
+        bare: u32,
+        padding: [u32; 2],
+    }
+    /// `shared/groom_types.wgsl`
+    struct Groom {
+        segments: u32,
         seed: u32,
-        root_darkening: [f32; 2],
         paper: u32,
+        coverage_base: u32,
+        coverage_texels: u32,
+        vertex_rows: u32,
+        count: u32,
         padding: u32,
         origin: [f32; 3],
         more_padding: u32,
+        coats: [Coat; MAX_COATS],
     }
     /// `shared/lights.wgsl`
     struct Light {

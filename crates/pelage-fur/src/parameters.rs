@@ -1,14 +1,14 @@
 //! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point
 //! of the skin.
 
-use crate::layout::{Groom, Root};
+use crate::layout::{Groom, GuardHairs, Root};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3, Vec4};
 use half::f16;
 use pelage_core::Skin;
 use pelage_core::maps::{TRIPLANAR_CM, bilinear, triplanar};
 
-/// Indices of the parameters in [`Groom::parameters`].
+/// Indices of the parameters in [`Coat::parameters`](crate::layout::Coat::parameters).
 #[allow(missing_docs)]
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Parameter {
@@ -28,7 +28,13 @@ pub enum Parameter {
     BaseColor,
     ShellColor,
     ShellLength,
+    PartMask,
 }
+
+/// Source of a parameter that a coat leaves as it is below.
+pub const SOURCE_BELOW: u32 = 4;
+/// Lane of a coat whose part chooses no groups or materials.
+pub const NO_LANE: u32 = u32::MAX;
 
 /// A point of the skin at which parameters are evaluated.
 #[derive(Debug, Clone, Copy)]
@@ -41,6 +47,17 @@ pub struct SkinPoint {
     pub uv: Vec2,
     /// Interpolated vertex colour and alpha.
     pub color: Vec4,
+    /// Where it lies on the mesh.
+    pub place: MeshPlace,
+}
+
+/// A place on the mesh, for what is stored by triangle.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum MeshPlace {
+    /// A vertex.
+    Vertex(u32),
+    /// A triangle and barycentric coordinates.
+    Triangle(u32, Vec3),
 }
 
 /// Unpacks a colour of eight bits per channel to 0..1.
@@ -67,6 +84,7 @@ pub fn skin_point(shell: &Shell, prism: u32, lambda: Vec3) -> SkinPoint {
             let [a, b, c] = corners.map(|v| unpack_color(v.color));
             lambda.x * a + lambda.y * b + lambda.z * c
         },
+        place: MeshPlace::Triangle(prism, lambda),
     }
 }
 
@@ -93,6 +111,52 @@ pub fn triangle_point(skin: &Skin, triangle: usize, lambda: Vec3) -> SkinPoint {
             let [a, b, c] = corners.map(|v| skin.vertex_color(v));
             lambda.x * a + lambda.y * b + lambda.z * c
         },
+        place: MeshPlace::Triangle(triangle as u32, lambda),
+    }
+}
+
+/// A value that goes over from coat to coat.
+pub trait Blend: Copy {
+    /// The value of what lies below (`self`), with the share of a part's value.
+    fn over(self, part: Self, share: f32) -> Self;
+}
+
+impl Blend for f32 {
+    fn over(self, part: Self, share: f32) -> Self {
+        if share >= 1.0 { part } else { self + share * (part - self) }
+    }
+}
+
+impl Blend for Vec3 {
+    fn over(self, part: Self, share: f32) -> Self {
+        if share >= 1.0 { part } else { self + share * (part - self) }
+    }
+}
+
+impl<const N: usize> Blend for [f32; N] {
+    fn over(self, part: Self, share: f32) -> Self {
+        std::array::from_fn(|i| self[i].over(part[i], share))
+    }
+}
+
+impl Blend for GuardHairs {
+    fn over(self, part: Self, share: f32) -> Self {
+        Self {
+            comb_direction: self.comb_direction.over(part.comb_direction, share),
+            widest: self.widest.over(part.widest, share),
+            diameter: self.diameter.over(part.diameter, share),
+            spread: self.spread.over(part.spread, share),
+            color_transition: self.color_transition.over(part.color_transition, share),
+            color_variation: self.color_variation.over(part.color_variation, share),
+            length_variation: self.length_variation.over(part.length_variation, share),
+            gravity: self.gravity.over(part.gravity, share),
+            clump_density: self.clump_density.over(part.clump_density, share),
+            curl_frequency: self.curl_frequency.over(part.curl_frequency, share),
+            frizz_frequency: self.frizz_frequency.over(part.frizz_frequency, share),
+            root_darkening: self.root_darkening.over(part.root_darkening, share),
+            opacity: self.opacity.over(part.opacity, share),
+            tip_fade: self.tip_fade.over(part.tip_fade, share),
+        }
     }
 }
 
@@ -101,50 +165,135 @@ pub fn triangle_point(skin: &Skin, triangle: usize, lambda: Vec3) -> SkinPoint {
 pub struct Maps<'a> {
     /// The packed groom.
     pub groom: &'a Groom,
-    /// Texels of all maps, four halves each.
+    /// Texels of all maps, four halves each, and coverage rows.
     pub texels: &'a [[u32; 2]],
 }
 
+fn unpack(texel: [u32; 2]) -> Vec4 {
+    let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32());
+    let ([r, g], [b, a]) = (halves(texel[0]), halves(texel[1]));
+    Vec4::new(r, g, b, a)
+}
+
 impl Maps<'_> {
-    fn texel(&self, parameter: Parameter, x: i32, y: i32) -> Vec4 {
-        let p = &self.groom.parameters[parameter as usize];
+    fn texel(&self, coat: usize, parameter: Parameter, x: i32, y: i32) -> Vec4 {
+        let p = &self.groom.coats[coat].parameters[parameter as usize];
         let [width, height] = p.size.map(|s| s as i32);
         let at = p.texel_base as usize + (y.rem_euclid(height) * width + x.rem_euclid(width)) as usize;
-        let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32());
-        let ([r, g], [b, a]) = (halves(self.texels[at][0]), halves(self.texels[at][1]));
-        Vec4::new(r, g, b, a)
+        unpack(self.texels[at])
     }
 
     /// Repeating bilinear lookup; v = 0 is the bottom row.
-    fn bilinear(&self, parameter: Parameter, uv: Vec2) -> Vec4 {
-        let size = self.groom.parameters[parameter as usize].size;
-        bilinear(size, uv, |x, y| self.texel(parameter, x, y))
+    fn bilinear(&self, coat: usize, parameter: Parameter, uv: Vec2) -> Vec4 {
+        let size = self.groom.coats[coat].parameters[parameter as usize].size;
+        bilinear(size, uv, |x, y| self.texel(coat, parameter, x, y))
     }
 
     /// Three planar lookups with a period of 10 cm, weighted by the normal.
     // [Geiss2007]
-    fn triplanar(&self, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
-        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(parameter, uv))
+    fn triplanar(&self, coat: usize, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
+        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(coat, parameter, uv))
     }
 
-    fn lookup(&self, parameter: Parameter, at: &SkinPoint) -> Vec4 {
-        match self.groom.parameters[parameter as usize].source {
+    fn lookup(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> Vec4 {
+        match self.groom.coats[coat].parameters[parameter as usize].source {
             1 => at.color,
-            2 => self.bilinear(parameter, at.uv),
-            3 => self.triplanar(parameter, at.position - Vec3::from(self.groom.origin), at.normal),
+            2 => self.bilinear(coat, parameter, at.uv),
+            3 => self.triplanar(coat, parameter, at.position - Vec3::from(self.groom.origin), at.normal),
             _ => Vec4::ONE,
         }
     }
 
+    fn coat_scalar(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> f32 {
+        let p = &self.groom.coats[coat].parameters[parameter as usize];
+        p.value[0] * self.lookup(coat, parameter, at)[p.channel as usize] + p.offset
+    }
+
+    fn coat_color(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> Vec3 {
+        let p = &self.groom.coats[coat].parameters[parameter as usize];
+        Vec4::from(p.value).truncate() * self.lookup(coat, parameter, at).truncate()
+    }
+
+    /// Coverage of a lane in a row.
+    fn row_coverage(&self, row: u32, lane: u32) -> f32 {
+        let texel = self.groom.coverage_base + row * self.groom.coverage_texels + lane / 4;
+        unpack(self.texels[texel as usize])[(lane % 4) as usize]
+    }
+
+    /// How much of the skin at a point belongs to a part rather than to what lies below it, 0..1.
+    /// `coat` is the number of the part, from 1.
+    pub fn part_share(&self, coat: usize, at: &SkinPoint) -> f32 {
+        let mut share = self.coat_scalar(coat, Parameter::PartMask, at).clamp(0.0, 1.0);
+        let lane = self.groom.coats[coat].lane;
+        if lane != NO_LANE {
+            let coverage = match at.place {
+                MeshPlace::Vertex(v) => self.row_coverage(self.groom.vertex_rows + v, lane),
+                MeshPlace::Triangle(t, lambda) => {
+                    lambda.dot(Vec3::from([0, 1, 2].map(|k| self.row_coverage(3 * t + k, lane))))
+                }
+            };
+            share *= coverage.clamp(0.0, 1.0);
+        }
+        (1.001 * share).min(1.0)
+    }
+
+    /// Share of the hairs of a part: bare skin leaves the shape of hairs as it is.
+    fn hair_share(&self, coat: usize, at: &SkinPoint) -> f32 {
+        if self.groom.coats[coat].bare == 1 { 0.0 } else { self.part_share(coat, at) }
+    }
+
+    /// A value of the coats at a point. `share` gives that of a part, `of` the value of a coat.
+    fn blend<T: Blend>(&self, share: impl Fn(usize) -> f32, of: impl Fn(usize) -> T) -> T {
+        (1..self.groom.count as usize).fold(of(0), |below, coat| {
+            let share = share(coat);
+            if share > 0.0 { below.over(of(coat), share) } else { below }
+        })
+    }
+
+    /// Share of a part where it has a value of its own for `parameter`, else 0.
+    fn value_share(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> f32 {
+        let below = self.groom.coats[coat].parameters[parameter as usize].source == SOURCE_BELOW;
+        if below { 0.0 } else { self.part_share(coat, at) }
+    }
+
     /// Evaluates a scalar parameter.
     pub fn scalar(&self, parameter: Parameter, at: &SkinPoint) -> f32 {
-        let p = &self.groom.parameters[parameter as usize];
-        p.value[0] * self.lookup(parameter, at)[p.channel as usize] + p.offset
+        let share = |coat| self.value_share(coat, parameter, at);
+        self.blend(share, |coat| self.coat_scalar(coat, parameter, at))
     }
 
     /// Evaluates a colour parameter, linear RGB.
     pub fn color(&self, parameter: Parameter, at: &SkinPoint) -> Vec3 {
-        let p = &self.groom.parameters[parameter as usize];
-        Vec4::from(p.value).truncate() * self.lookup(parameter, at).truncate()
+        let share = |coat| self.value_share(coat, parameter, at);
+        self.blend(share, |coat| self.coat_color(coat, parameter, at))
+    }
+
+    /// The guard hairs at a point.
+    pub fn hairs_at(&self, at: &SkinPoint) -> GuardHairs {
+        self.blend(|coat| self.hair_share(coat, at), |coat| self.groom.coats[coat].hairs)
+    }
+
+    /// Lean by the comb at a point, its length the tangent of the angle; tangential to `n`.
+    pub fn combed_lean(&self, at: &SkinPoint, n: Vec3) -> Vec3 {
+        let lean = |coat: usize| {
+            let direction = Vec3::from(self.groom.coats[coat].hairs.comb_direction);
+            (direction - n * n.dot(direction)) * self.coat_scalar(coat, Parameter::GuardComb, at)
+        };
+        self.blend(|coat| self.hair_share(coat, at), lean)
+    }
+
+    /// Pull of the tips towards clump centres, cm. `to_clump` gives the vector to the nearest
+    /// centre where there are as many 1/cm² as its argument says.
+    pub fn clump_pull(&self, at: &SkinPoint, to_clump: impl Fn(f32) -> Vec3) -> Vec3 {
+        let n = at.normal;
+        let pull = |coat: usize| {
+            let clump = self.coat_scalar(coat, Parameter::GuardClump, at);
+            if clump <= 0.0 {
+                return Vec3::ZERO;
+            }
+            let offset = to_clump(self.groom.coats[coat].hairs.clump_density);
+            clump * (offset - n * n.dot(offset))
+        };
+        self.blend(|coat| self.hair_share(coat, at), pull)
     }
 }

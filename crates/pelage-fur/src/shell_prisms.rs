@@ -3,7 +3,7 @@
 
 use crate::groom::{self, PackedGroom};
 use crate::layout::{Prism, ShellVertex};
-use crate::parameters::{Maps, Parameter, SkinPoint, pack_color, unpack_color};
+use crate::parameters::{Maps, MeshPlace, Parameter, SkinPoint, pack_color, unpack_color};
 use crate::shell::Shell;
 use crate::surface::{corner_uv, number_edges, skin_vertices, subdivide, vertex_uv};
 use glam::{Vec2, Vec3};
@@ -21,6 +21,7 @@ fn wanted_height(skin: &Skin, normals: &[Vec3], maps: &Maps<'_>, vertex_uv: &[[f
         normal: normals[v],
         uv: Vec2::from(vertex_uv[v]),
         color: unpack_color(pack_color(skin.vertex_color(v))),
+        place: MeshPlace::Vertex(v as u32),
     };
     maps.scalar(Parameter::UndercoatHeight, &at).max(0.0)
 }

@@ -289,7 +289,7 @@ impl Geometry {
         }
         let (strand, segment) = layer.place(point);
         let (along, _, _) = cone.place(span, ray.direction, t);
-        let [a, b] = [layer.strands.opacity[segment], layer.strands.opacity[segment + 1]];
+        let [a, b] = [segment, segment + 1].map(|point| layer.strands.opacity_at(strand, point));
         random(hash2(word, layer.first), strand as u32) < a + (b - a) * along
     }
 

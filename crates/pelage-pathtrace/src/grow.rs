@@ -107,7 +107,7 @@ pub fn estimate(world: &World, options: &GrowOptions) -> Result<Estimate> {
     let area: f64 = areas.iter().sum();
     let mut estimate = Estimate::default();
     if groom::has_guard(&world.scene) {
-        estimate.guard_hairs = (area * f64::from(world.scene.guard.density.max())).ceil() as u64;
+        estimate.guard_hairs = (area * f64::from(groom::guard_density(&world.scene))).ceil() as u64;
         estimate.add(estimate.guard_hairs, u64::from(packed.groom.segments));
     }
     if groom::has_undercoat(&world.scene) {
@@ -154,7 +154,7 @@ pub fn grow(world: &World, options: &GrowOptions) -> Result<Vec<Strands>> {
     let shell = shell_of(world, &packed);
     let mut layers = Vec::new();
     if groom::has_guard(&world.scene) {
-        let (density, seed) = (world.scene.guard.density.max(), world.scene.render.seed);
+        let (density, seed) = (groom::guard_density(&world.scene), world.scene.render.seed);
         layers.push(guard::grow(&shell, &packed, density, seed, options.patch.as_ref()));
     }
     if groom::has_undercoat(&world.scene) {

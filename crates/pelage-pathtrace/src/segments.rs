@@ -24,19 +24,21 @@ pub(super) fn check(strands: &Strands) -> Result<()> {
     let points = (strands.segments + 1) * strands.hairs.len();
     let fits = (1..=64).contains(&strands.segments)
         && strands.points.len() == points
-        && (strands.opacity.is_empty() || strands.opacity.len() == strands.segments + 1)
+        && [0, strands.segments + 1, points].contains(&strands.opacity.len())
+        && [0, strands.hairs.len()].contains(&strands.color_transitions.len())
         && strands.points.iter().all(|p| p.is_finite());
     if fits {
         return Ok(());
     }
     Err(Error::Unsupported(format!(
-        "{:?}: found {} hairs of {} segments (expected 1 to 64) with {} points (expected {points}, all finite) and {} opacities (expected none or {})",
+        "{:?}: found {} hairs of {} segments (expected 1 to 64) with {} points (expected {points}, all finite) and {} opacities (expected none, {} or {points}) and {} colour transitions (expected none or one for each hair)",
         strands.layer,
         strands.hairs.len(),
         strands.segments,
         strands.points.len(),
         strands.opacity.len(),
-        strands.segments + 1
+        strands.segments + 1,
+        strands.color_transitions.len()
     )))
 }
 

@@ -15,13 +15,15 @@ pub struct Strands {
     pub points: Vec<Vec4>,
     /// One for each strand.
     pub hairs: Vec<Hair>,
-    /// Opacity at each point of a strand, 0..1, the same for all strands; empty where all are
-    /// opaque.
+    /// Opacity at each point of a strand, 0..1: of one strand if it is the same for all, else as
+    /// many as there are points; empty where all are opaque.
     pub opacity: Vec<f32>,
     /// Where between root and tip the colour changes from the one to the other, and over what part
     /// of the length, as [`pelage_core::scene::Guard::color_transition`]. That of the undercoat
     /// changes evenly from root to tip.
     pub color_transition: [f32; 2],
+    /// The same by hair, where it differs from hair to hair; else empty.
+    pub color_transitions: Vec<[f32; 2]>,
 }
 
 /// What is constant along a hair.
@@ -38,6 +40,31 @@ pub struct Hair {
 }
 
 impl Strands {
+    /// Opaque strands whose colour changes evenly from root to tip.
+    pub fn new(layer: Layer, segments: usize, points: Vec<Vec4>, hairs: Vec<Hair>) -> Self {
+        Self {
+            layer,
+            segments,
+            points,
+            hairs,
+            opacity: Vec::new(),
+            color_transition: [0.5, 1.0],
+            color_transitions: Vec::new(),
+        }
+    }
+
+    /// Opacity of hair `i` at its `point`-th point, 0..1.
+    pub fn opacity_at(&self, i: usize, point: usize) -> f32 {
+        let shared = self.opacity.len() == self.segments + 1;
+        let at = if shared { point } else { i * (self.segments + 1) + point };
+        self.opacity.get(at).copied().unwrap_or(1.0)
+    }
+
+    /// [`Strands::color_transition`] of hair `i`.
+    pub fn transition(&self, i: usize) -> [f32; 2] {
+        self.color_transitions.get(i).copied().unwrap_or(self.color_transition)
+    }
+
     /// Opaque strands from parts that were grown separately, in their order.
     pub(super) fn joined(layer: Layer, segments: usize, parts: Vec<(Vec<Vec4>, Vec<Hair>)>) -> Self {
         let count = parts.iter().map(|(_, hairs)| hairs.len()).sum();
@@ -47,7 +74,7 @@ impl Strands {
             points.extend(of_points);
             hairs.extend(of_hairs);
         }
-        Self { layer, segments, points, hairs, opacity: Vec::new(), color_transition: [0.5, 1.0] }
+        Self::new(layer, segments, points, hairs)
     }
 
     /// Colour of hair `i` at `s` (0 root, 1 tip), linear RGB in 0..1.
@@ -55,7 +82,7 @@ impl Strands {
         let hair = &self.hairs[i];
         match self.layer {
             Layer::Undercoat => hair.color_root.lerp(hair.color_tip, s).clamp(Vec3::ZERO, Vec3::ONE),
-            Layer::Guard => color_at(self.color_transition, [hair.color_root, hair.color_tip], s),
+            Layer::Guard => color_at(self.transition(i), [hair.color_root, hair.color_tip], s),
         }
     }
 }

@@ -35,6 +35,7 @@ pub mod undercoat_source;
 
 use pelage_core::Result;
 use pelage_fur::fibre::MODELS;
+use pelage_fur::layout::MAX_COATS;
 use pelage_gpu::Gpu;
 use std::sync::Arc;
 
@@ -52,13 +53,15 @@ pub struct Variant {
     pub undercoat: u32,
     /// Multiple scattering: 0 none or similarity, 1 dual scattering, 2 transport.
     pub multiple: u32,
+    /// Coats: the scene's own and those of its parts; 0 counts as 1.
+    pub coats: u32,
     /// Whether albedo, normal, tangent and coverages are made.
     pub features: bool,
 }
 
 impl Variant {
     /// Number of variants.
-    pub const COUNT: usize = 24 * (MODELS * MODELS) as usize;
+    pub const COUNT: usize = 24 * (MODELS * MODELS) as usize * MAX_COATS;
 
     /// Number of the variant, below [`Variant::COUNT`].
     pub fn index(self) -> usize {
@@ -67,6 +70,7 @@ impl Variant {
             + 2 * usize::from(self.nested)
             + 4 * usize::from(self.features)
             + 8 * (models * 3 + self.multiple.min(2)) as usize
+            + Self::COUNT / MAX_COATS * (self.coats.clamp(1, MAX_COATS as u32) - 1) as usize
     }
 
     /// The constants of the kernels that march the undercoat.
@@ -82,6 +86,11 @@ impl Variant {
     /// The constant that selects the model of multiple scattering.
     fn multiple(self) -> (&'static str, f64) {
         ("MULTIPLE", f64::from(self.multiple))
+    }
+
+    /// The constant that bounds the coats in kernels that evaluate parameters of the groom.
+    pub fn coats(self) -> (&'static str, f64) {
+        ("COATS", f64::from(self.coats.max(1)))
     }
 
     /// The constant that selects whether features are made.
@@ -162,13 +171,13 @@ impl Passes {
             guard_raster: guard_raster::GuardRaster::new(gpu, variant)?,
             guard_shade: guard_shade::GuardShade::new(gpu, variant)?,
             guard_splat: guard_splat::GuardSplat::new(gpu)?,
-            guard_strands: guard_strands::GuardStrands::new(gpu)?,
-            hair_roots: hair_roots::HairRoots::new(gpu)?,
+            guard_strands: guard_strands::GuardStrands::new(gpu, variant)?,
+            hair_roots: hair_roots::HairRoots::new(gpu, variant)?,
             light_occlusion: light_occlusion::LightOcclusion::new(gpu)?,
             resolve: resolve::Resolve::new(gpu, variant)?,
             shell_entry: shell_entry::ShellEntry::new(gpu, variant)?,
-            shell_lattice: shell_lattice::ShellLattice::new(gpu)?,
-            shell_prisms: shell_prisms::ShellPrisms::new(gpu)?,
+            shell_lattice: shell_lattice::ShellLattice::new(gpu, variant)?,
+            shell_prisms: shell_prisms::ShellPrisms::new(gpu, variant)?,
             undercoat_density: undercoat_density::UndercoatDensity::new(gpu)?,
             undercoat_light: undercoat_light::UndercoatLight::new(gpu)?,
             undercoat_march: undercoat_march::UndercoatMarch::new(gpu, variant)?,

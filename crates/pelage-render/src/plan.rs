@@ -4,7 +4,7 @@
 use bytemuck::Zeroable;
 use glam::{Vec2, Vec3};
 use pelage_core::World;
-use pelage_core::scene::{LensMethod, Scene};
+use pelage_core::scene::{Coat, LensMethod, Scene};
 use pelage_fur::camera;
 use pelage_fur::layout::{Frame, Reconstruction};
 use pelage_fur::random::r2;
@@ -102,7 +102,8 @@ impl SamplePlan {
         let forward = Vec3::from(frame.forward);
         let focus =
             lens.focus.unwrap_or((Vec3::from(camera.target) - Vec3::from(camera.eye)).length()).max(1e-3);
-        let fur = world.scene.guard.length.max() + world.scene.undercoat.height.max();
+        let largest = |of: fn(&Coat<'_>) -> f32| world.scene.largest(of);
+        let fur = largest(|coat| coat.guard.length.max()) + largest(|coat| coat.undercoat.height.max());
         (0..8)
             .flat_map(|i| {
                 let corner = Vec3::new(

@@ -107,6 +107,7 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool, features: bool)
             MultipleModel::Dual => 1,
             MultipleModel::Transport => 2,
         },
+        coats: packed.groom.count,
         features,
     }
 }

@@ -21,7 +21,7 @@ pub fn strands(world: &World) -> Result<HairFile> {
         return Err(Error::Unsupported(format!(
             "the scene renders no guard hairs: render.fur is {}, guard.density at most {}",
             format!("{:?}", scene.render.fur).to_lowercase(),
-            scene.guard.density.max()
+            groom::guard_density(scene)
         )));
     }
     let gpu = crate::open()?;

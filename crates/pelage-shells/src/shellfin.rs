@@ -245,6 +245,7 @@ impl<'g> Shellfins<'g> {
                 (&shells.color, &shells.length),
                 (Color::Constant([1.0, 1.0, 1.0]), Scalar::Constant(_))
             ),
+            coats: prepared.variant.coats,
         };
         let fin_depth = fin_depth(shells, manifest, geometry::lengths(skin, &fin_edges));
         let fins = deepened(textures, fin_depth);

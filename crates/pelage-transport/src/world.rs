@@ -7,9 +7,9 @@ use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_fur::groom;
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::guard_strands::{diameter, opacity, strand};
+use pelage_fur::guard_strands::{diameter, strand_at_point};
 use pelage_fur::layout::{Prism, Root, ShellVertex};
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint, pack_color, root_point};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint, pack_color, root_point};
 use pelage_fur::random::{even_barycentric, hash2, random};
 use pelage_fur::shell::Shell;
 use pelage_fur::simplex::Field;
@@ -77,7 +77,7 @@ pub(super) fn medium(world: &World, packed: &PackedGroom) -> Medium {
     if coated {
         let power = |t: f32| power(ends[0].lerp(ends[1], t));
         kinds.push(Hairs { fibre: packed.undercoat_fibre.clone(), levels: undercoat_levels(packed) });
-        parts.push(undercoat_parts(world, &samples, height, top, &power));
+        parts.push(undercoat_parts(&samples, height, top, &power));
     }
     if !pieces.is_empty() {
         let (levels, of_slice) = guard_parts(pieces, top, &power);
@@ -117,6 +117,7 @@ impl<'a> SkinSamples<'a> {
                 normal: surface.normals[v],
                 uv: Vec2::from(uv[v]),
                 color: surface.vertex_color(v),
+                place: MeshPlace::Vertex(v as u32),
             })
             .collect();
         Self { packed, maps: Maps { groom: &packed.groom, texels: &packed.texels }, points }
@@ -161,7 +162,6 @@ fn undercoat_levels(packed: &PackedGroom) -> Vec<HeightLevel> {
 /// The undercoat's part of each slice, where it is `height` cm high and the longest hairs reach up
 /// to `top`. `power` is [`Part::power`] at a relative height.
 fn undercoat_parts(
-    world: &World,
     samples: &SkinSamples,
     height: f32,
     top: f32,
@@ -176,7 +176,7 @@ fn undercoat_parts(
         let density = |p: &SkinPoint| {
             let domain =
                 if fur.noise_domain == 1 { p.uv.extend(0.0) } else { p.position - Vec3::from(fur.origin) };
-            let density = maps.scalar(Parameter::UndercoatDensity, p) / world.scene.undercoat.density.max();
+            let density = maps.scalar(Parameter::UndercoatDensity, p) / fur.density;
             density * undercoat.clump_density(domain, domain, t)
         };
         let depth = if t < 1.0 { fur.extinction * samples.mean(density) * slice } else { 0.0 };
@@ -190,8 +190,8 @@ fn undercoat_parts(
 fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
     let (surface, groom) = (&world.skin, &packed.groom);
     let uv = vertex_uv(surface);
-    let chosen: Vec<[u32; 3]> =
-        surface.triangles.iter().copied().step_by((surface.triangles.len() / POINTS).max(1)).collect();
+    let step = (surface.triangles.len() / POINTS).max(1);
+    let chosen: Vec<[u32; 3]> = surface.triangles.iter().copied().step_by(step).collect();
     // A shell of these triangles alone, in which the roots are placed.
     let corners = || chosen.iter().flatten().map(|v| *v as usize);
     let vertex = |v: usize| ShellVertex {
@@ -214,23 +214,25 @@ fn guard_pieces(world: &World, packed: &PackedGroom) -> Vec<Piece> {
         let seed = hash2(packed.undercoat.seed, k);
         let lambda = even_barycentric(Vec2::new(random(seed, 100), random(seed, 101)));
         let root = Root { prism: k / GUARD_HAIRS, seed, lambda: [lambda.y, lambda.z] };
-        let at = root_point(&shell, &root);
+        let mut at = root_point(&shell, &root);
+        // The shell has the chosen triangles alone.
+        at.place = MeshPlace::Triangle(root.prism * step as u32, lambda);
         let density = maps.scalar(Parameter::GuardDensity, &at) / roots as f32;
-        let strand = strand(&shell, &maps, &root);
+        let strand = strand_at_point(&maps, &at, root.seed);
         let thickness = maps.scalar(Parameter::GuardThickness, &at);
         let colors = [Parameter::GuardColorRoot, Parameter::GuardColorTip].map(|p| maps.color(p, &at));
         let (side, other) = strand.normal.any_orthonormal_pair();
         for k in 0..groom.segments {
             let [a, b] = [k, k + 1].map(|k| k as f32 / groom.segments as f32);
             let s = 0.5 * (a + b);
-            let along = strand.point(groom, b) - strand.point(groom, a);
-            let above = strand.point(groom, s) - strand.root;
+            let along = strand.point(b) - strand.point(a);
+            let above = strand.point(s) - strand.root;
             pieces.push(Piece {
                 height: above.dot(strand.normal).max(0.0),
-                depth: density * along.length() * thickness * diameter(groom, s) * opacity(groom, s),
+                depth: density * along.length() * thickness * diameter(&strand.hairs, s) * strand.opacity(s),
                 tangent: Vec3::new(along.dot(side), along.dot(other), along.dot(strand.normal))
                     .normalize_or(Vec3::Z),
-                color: color_at(groom.color_transition, colors, s),
+                color: color_at(strand.hairs.color_transition, colors, s),
             });
         }
     }

@@ -1,6 +1,6 @@
 //! The table `[groom]`: the size of the whole coat.
 
-use super::{NoiseDomain, Scalar, Scene};
+use super::{Guard, NoiseDomain, Scalar, Scene, Undercoat};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -17,7 +17,7 @@ pub struct GroomSpec {
     /// `guard.frizz_frequency`, `undercoat.noise_frequency`, `undercoat.height_frequency`.
     /// `guard.clump_density`, which is per area, is divided by its square. Maps keep their shape:
     /// value and offset are scaled. With `noise_domain = "uv"` noise and jitter are in units of uv
-    /// and stay.
+    /// and stay. The coats of parts are scaled alike; `edge` of a part, a width on the body, stays.
     ///
     /// Diameters and hairs/cm² stay: hairs of small and large mammals are about equally thick and
     /// dense, and their coats differ in length. A longer coat therefore blocks more light. Textures
@@ -57,26 +57,43 @@ impl Scalar {
     }
 }
 
+impl Guard {
+    /// Multiplies the lengths of the hairs.
+    fn scale(&mut self, scale: f32) {
+        for length in [&mut self.length, &mut self.curl, &mut self.frizz] {
+            *length = length.scaled(scale);
+        }
+        self.curl_frequency /= scale;
+        self.frizz_frequency /= scale;
+        self.clump_density /= scale * scale;
+    }
+}
+
+impl Undercoat {
+    /// Multiplies the lengths of the hairs and of the noise.
+    fn scale(&mut self, scale: f32) {
+        self.height = self.height.scaled(scale);
+        self.cell = (self.cell * scale).max(1e-4);
+        if self.noise_domain == NoiseDomain::Object {
+            self.uv_jitter *= scale;
+            self.noise_frequency /= scale;
+            self.height_frequency /= scale;
+        }
+    }
+}
+
 impl Scene {
-    /// Applies `groom.scale` to the lengths of the coat, and sets it to 1.
+    /// Applies `groom.scale` to the lengths of the coats of the scene and its parts, and sets it to 1.
     pub(super) fn scale_groom(&mut self) {
         let scale = std::mem::take(&mut self.groom).scale;
         if scale == 1.0 {
             return;
         }
-        let guard = &mut self.guard;
-        for length in [&mut guard.length, &mut guard.curl, &mut guard.frizz, &mut self.undercoat.height] {
-            *length = length.scaled(scale);
-        }
-        guard.curl_frequency /= scale;
-        guard.frizz_frequency /= scale;
-        guard.clump_density /= scale * scale;
-        let undercoat = &mut self.undercoat;
-        undercoat.cell = (undercoat.cell * scale).max(1e-4);
-        if undercoat.noise_domain == NoiseDomain::Object {
-            undercoat.uv_jitter *= scale;
-            undercoat.noise_frequency /= scale;
-            undercoat.height_frequency /= scale;
+        self.guard.scale(scale);
+        self.undercoat.scale(scale);
+        for part in &mut self.parts {
+            part.guard.iter_mut().for_each(|guard| guard.scale(scale));
+            part.undercoat.iter_mut().for_each(|undercoat| undercoat.scale(scale));
         }
         for length in [&mut self.bake.patch, &mut self.bake.height, &mut self.shells.spacing] {
             *length = length.map(|cm| cm * scale);

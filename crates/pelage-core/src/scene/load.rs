@@ -5,7 +5,7 @@
 //! parameters are replaced as a whole.
 
 use super::{
-    Scene, check, overrides, preset, rules, schema,
+    Scene, check, overrides, parts, preset, rules, schema,
     tree::{Entry, Node, Sources, Table, Value},
 };
 use crate::assets::Assets;
@@ -156,16 +156,19 @@ impl Loader {
         for o in chosen {
             self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
         }
-        self.preset(&mut tree);
+        self.preset("", &mut tree, schema::json_schema());
         for o in others {
             self.faults.extend(overrides::set(&mut tree, &mut self.sources, o));
         }
+        self.parts(&mut tree);
         self.frame(&mut tree);
         let (tree, found) = check::check(&self.sources, tree);
+        let found = parts::once(found);
         let mut faults = std::mem::take(&mut self.faults);
         let mut scene = Scene::deserialize(tree.to_toml()).map_err(|e| {
             Error::fault(path, format!("{} (which the schema does not exclude)", e.message()))
         })?;
+        parts::locate(&mut scene, &tree, &self.sources);
         faults.extend(rules::broken(&scene, &tree, &self.sources, &found));
         faults.extend(found.into_iter().map(|(_, fault)| fault));
         scene.schema = None;
@@ -256,7 +259,8 @@ impl Loader {
         }
     }
 
-    fn preset(&mut self, tree: &mut Node) {
+    /// Merges the preset that the table at `path` names under it.
+    fn preset(&mut self, path: &str, tree: &mut Node, schema: &'static Json) {
         let Some(node) = tree.get("preset") else { return };
         let Value::String(name) = &node.value else { return };
         let Some(text) = preset::text(name) else {
@@ -267,14 +271,31 @@ impl Loader {
             };
             self.faults.push(self.sources.fault(
                 &node.origin,
-                format!("preset: no preset is called \"{name}\""),
+                format!("{}: no preset is called \"{name}\"", check::join(path, "preset")),
                 Some(help),
             ));
             return;
         };
         match self.sources.parse(Path::new(&format!("presets/{name}.toml")), text) {
-            Ok(under) => merge(tree, under, schema::json_schema()),
+            Ok(under) => merge(tree, under, schema),
             Err(faults) => self.faults.extend(faults),
+        }
+    }
+
+    /// Gives each part its coat: its own keys over those of its preset over those of the scene's
+    /// own coat.
+    fn parts(&mut self, tree: &mut Node) {
+        let Some(schema) = parts::schema() else { return };
+        let own = parts::own_coat(tree);
+        let Some(items) = parts::items(tree) else { return };
+        for (i, part) in items.iter_mut().enumerate() {
+            let path = format!("parts.{i}");
+            if parts::is_bare(part) {
+                self.faults.extend(parts::hairs_of_bare_skin(&path, part, &self.sources));
+                continue;
+            }
+            self.preset(&path, part, schema);
+            merge(part, own.clone(), schema);
         }
     }
 }

@@ -8,6 +8,7 @@ pub use super::fibre::*;
 pub use super::groom::*;
 pub use super::mesh::*;
 pub use super::output::*;
+pub use super::part::*;
 pub use super::shellfin::*;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
@@ -44,6 +45,10 @@ pub struct Scene {
     pub guard: Guard,
     /// Undercoat.
     pub undercoat: Undercoat,
+    /// Regions of the skin with a coat of their own, or bare; at most 15.
+    #[schemars(length(max = 15))]
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub parts: Vec<Part>,
     /// Image size, sampling and output transform.
     pub film: FilmSpec,
     /// What is rendered, and how.

@@ -1,7 +1,7 @@
 //! Rules beyond types and ranges: values that depend on each other, and files that must exist.
 
 use super::{
-    Background, Camera, Framing, Scalar, Scene, check,
+    Background, Camera, Framing, Scene, check,
     tree::{ESCAPE_HELP, Node, Sources, Value},
 };
 use crate::SceneFault;
@@ -28,6 +28,9 @@ pub(super) fn broken(
         .filter(|(paths, ..)| !paths.iter().any(|p| known_bad.contains(&top(p))))
         .map(|(paths, message, help)| sources.fault(tree.origin_of(paths[0]), message, Some(help.to_owned())))
         .collect();
+    if !known_bad.iter().any(|table| table == "parts") {
+        faults.extend(super::parts::broken(scene, tree, sources));
+    }
     for (i, light) in scene.lights.iter().enumerate() {
         if Vec3::from(light.direction).length_squared() < 1e-12 {
             let origin = tree.origin_of(&format!("lights.{i}.direction"));
@@ -143,43 +146,32 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "animation.motion.axis: must not be zero",
         "give the direction in which the object swings",
     );
-    let (guard, undercoat) = (&scene.guard, &scene.undercoat);
-    let groom: [(&[&'static str], &Scalar); 9] = [
-        (&["guard.density"], &guard.density),
-        (&["guard.length"], &guard.length),
-        (&["guard.thickness"], &guard.thickness),
-        (&["guard.comb"], &guard.comb),
-        (&["guard.clump"], &guard.clump),
-        (&["guard.curl"], &guard.curl),
-        (&["guard.frizz"], &guard.frizz),
-        (&["undercoat.density"], &undercoat.density),
-        (&["undercoat.height"], &undercoat.height),
-    ];
-    for (path, scalar) in groom {
-        rule(
-            scalar.max() >= 0.0,
-            path,
-            &format!("{}: value and offset make it negative everywhere", path[0]),
-            "the parameter is value * texel + offset with texels in 0..1",
-        );
+    for (path, scalar) in scene.own_coat().scalars() {
+        rule(scalar.max() >= 0.0, &[path], &format!("{path}: {NEGATIVE}"), MAPPED);
     }
     broken
 }
+
+/// What is wrong with a scalar parameter whose largest value is below 0.
+pub(super) const NEGATIVE: &str = "value and offset make it negative everywhere";
+/// How a mapped scalar is computed.
+pub(super) const MAPPED: &str = "the parameter is value * texel + offset with texels in 0..1";
 
 /// Faults for files that the scene names and that are in none of the folders.
 pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> Vec<SceneFault> {
     let mut named = Vec::new();
     collect_files("", tree, &mut named);
     let missing = named.into_iter().filter(|(_, _, name)| assets.find(name).is_err());
-    missing
+    let faults = missing
         .map(|(path, node, name)| {
             let message = format!("{path}: the file {name:?} is not there");
             // "meshes\new.obj" is valid TOML, with a line break in the name.
             let escaped = name.chars().any(char::is_control);
             let help = if escaped { ESCAPE_HELP.to_owned() } else { assets.advice() };
-            sources.fault(&node.origin, message, Some(help))
+            (path, sources.fault(&node.origin, message, Some(help)))
         })
-        .collect()
+        .collect();
+    super::parts::once(faults).into_iter().map(|(_, fault)| fault).collect()
 }
 
 /// All strings that name a file: the mesh, the plate, and every key called `map`.

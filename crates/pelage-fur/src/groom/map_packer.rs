@@ -1,6 +1,7 @@
 //! Parameters of the groom, and the texels of the maps that they refer to.
 
 use crate::layout::Parameter;
+use crate::parameters::SOURCE_BELOW;
 use half::f16;
 use pelage_core::maps::{MapSet, VERTEX_COLOR};
 use pelage_core::scene::{Color, Scalar};
@@ -51,7 +52,7 @@ impl<'a> MapPacker<'a> {
     /// Packs a scalar.
     pub fn scalar(&mut self, scalar: &Scalar) -> Parameter {
         match scalar {
-            Scalar::Constant(v) => parameter([*v; 4], (0, 0, [1, 1]), 0.0, 0),
+            Scalar::Constant(v) => constant(*v),
             Scalar::Mapped(m) => parameter(
                 [m.value; 4],
                 self.source(&m.map, &m.layer, false),
@@ -80,6 +81,16 @@ impl<'a> MapPacker<'a> {
         debug_assert!((self.texels.len() as u64 * TEXEL) < u64::from(u32::MAX));
         self.texels
     }
+}
+
+/// A scalar that is the same everywhere.
+pub(super) fn constant(value: f32) -> Parameter {
+    parameter([value; 4], (0, 0, [1, 1]), 0.0, 0)
+}
+
+/// A parameter that a coat leaves as it is below.
+pub(super) fn below() -> Parameter {
+    parameter([0.0; 4], (SOURCE_BELOW, 0, [1, 1]), 0.0, 0)
 }
 
 fn parameter(

@@ -23,7 +23,7 @@ impl GuardShade {
                 gpu,
                 "guard_shade",
                 "main",
-                &[variant.guard(), variant.multiple(), variant.features()],
+                &[variant.guard(), variant.multiple(), variant.coats(), variant.features()],
             )?,
         })
     }

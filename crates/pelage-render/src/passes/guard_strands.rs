@@ -2,6 +2,7 @@
 // Source: [Andersen2016] sec. 2, which names Bézier shaping, gravity and grooming by textures; the
 // formulas are ours.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -15,8 +16,8 @@ impl GuardStrands {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "guard_strands", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self { main: Kernel::specialised(gpu, "guard_strands", "main", &[variant.coats()])? })
     }
 
     /// Writes `strand_vertices` of the first `strands` roots.

@@ -2,6 +2,7 @@
 //! by the density map.
 // Sources: [VanGelderWilhelms1997], [Andersen2016] sec. 3.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -16,10 +17,10 @@ impl HairRoots {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            count: Kernel::new(gpu, "hair_roots", "count")?,
-            emit: Kernel::new(gpu, "hair_roots", "emit")?,
+            count: Kernel::specialised(gpu, "hair_roots", "count", &[variant.coats()])?,
+            emit: Kernel::specialised(gpu, "hair_roots", "emit", &[variant.coats()])?,
         })
     }
 

@@ -1,6 +1,7 @@
 //! Step 2: attributes of the skin below the columns of the optical-depth lattice, read from the
 //! maps.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_gpu::{Gpu, Kernel, Recorder, Scope};
 
@@ -14,8 +15,8 @@ impl ShellLattice {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
-        Ok(Self { main: Kernel::new(gpu, "shell_lattice", "main")? })
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
+        Ok(Self { main: Kernel::specialised(gpu, "shell_lattice", "main", &[variant.coats()])? })
     }
 
     /// Sets density factor and colours of `columns` columns.

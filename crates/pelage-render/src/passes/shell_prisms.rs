@@ -2,6 +2,7 @@
 //! fold over or climb too steeply.
 // Source: [Andersen2016] sec. 3.
 
+use super::Variant;
 use pelage_core::Result;
 use pelage_fur::layout::ShellCounts;
 use pelage_fur::shell_prisms::SPREAD_ROUNDS;
@@ -20,11 +21,11 @@ impl ShellPrisms {
     ///
     /// # Errors
     /// [`pelage_core::Error::Gpu`] with file and line of an error in the shader.
-    pub fn new(gpu: &Gpu) -> Result<Self> {
+    pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            fold: Kernel::new(gpu, "shell_prisms", "fold")?,
+            fold: Kernel::specialised(gpu, "shell_prisms", "fold", &[variant.coats()])?,
             spread: Kernel::new(gpu, "shell_prisms", "spread")?,
-            vertices: Kernel::new(gpu, "shell_prisms", "vertices")?,
+            vertices: Kernel::specialised(gpu, "shell_prisms", "vertices", &[variant.coats()])?,
             prisms: Kernel::new(gpu, "shell_prisms", "prisms_of_triangles")?,
         })
     }

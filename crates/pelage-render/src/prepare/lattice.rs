@@ -50,9 +50,8 @@ impl Lattice {
         const SPACING: f32 = 0.2;
         /// Wanted distance between levels in mean free paths of the undercoat.
         const LEVEL_PATHS: f32 = 2.0;
-        let guard = &world.scene.guard;
         let reach = if groom::has_guard(&world.scene) {
-            (0.8 * guard.length.max() / undercoat.height.max(1e-4)).clamp(1.0, 4.0)
+            (0.8 * groom::guard_length(&world.scene) / undercoat.height.max(1e-4)).clamp(1.0, 4.0)
         } else {
             1.0
         };

@@ -2,6 +2,7 @@
 
 use super::Prepared;
 use pelage_core::{Error, Result, Skin, World};
+use pelage_fur::groom;
 use pelage_fur::hair_roots::PART;
 use pelage_fur::layout::{Root, RootRange, StrandBatch};
 use pelage_gpu::recorder::Timings;
@@ -72,7 +73,7 @@ impl Prepared<'_> {
     /// binding.
     pub(super) fn root_batches(&mut self, world: &World, timings: &mut Timings) -> Result<Vec<RootBatch>> {
         let gpu = self.gpu;
-        let density = world.scene.guard.density.max();
+        let density = groom::guard_density(&world.scene);
         let seed = world.scene.render.seed;
         // The number of candidates may be one more.
         let parts = ((largest_triangle(&world.skin) * density) as u32 / PART).saturating_add(1);

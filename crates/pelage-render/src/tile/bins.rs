@@ -2,6 +2,7 @@
 
 use crate::plan::SamplePlan;
 use crate::prepare::{Prepared, Strands};
+use pelage_core::scene::Guard;
 use pelage_core::{Result, World};
 use pelage_fur::layout::{Bin, StrandBatch, TileGrid};
 use pelage_gpu::recorder::Timings;
@@ -112,10 +113,11 @@ impl StrandRaster<'_> {
 
     /// Length of the longest strand including all displacements, cm.
     fn longest(&self) -> f32 {
-        let guard = &self.world.scene.guard;
-        1.3 * guard.length.max()
-            + 2.0 * (guard.curl.max() + guard.frizz.max())
-            + guard.clump.max() / guard.clump_density.max(1e-6).sqrt()
+        // Displacements go over from coat to coat, each at most the largest of its kind.
+        let largest = |of: fn(&Guard) -> f32| self.world.scene.largest(|coat| of(coat.guard));
+        1.3 * largest(|guard| guard.length.max())
+            + 2.0 * (largest(|guard| guard.curl.max()) + largest(|guard| guard.frizz.max()))
+            + largest(|guard| guard.clump.max() / guard.clump_density.max(1e-6).sqrt())
     }
 
     fn draw_range(

@@ -36,7 +36,9 @@ pub fn shade(
     strand: &[[f32; 4]],
 ) -> Vec<Shade> {
     let (fur, shell, groom) = (lattice.fur, lattice.shell, maps.groom);
-    let ends = end_colors(maps, &root_point(shell, root), root.seed);
+    let at = root_point(shell, root);
+    let ends = end_colors(maps, &at, root.seed);
+    let hairs = maps.hairs_at(&at);
     let glint_angle = pelage_fur::fibre::glint_angle(random(root.seed, 7));
     let mut place = shell.enter(root.prism);
     let mut inside = true;
@@ -46,7 +48,7 @@ pub fn shade(
         let along = tangent(strand, k);
         let view = (Vec3::from(lattice.frame.eye) - x).normalize();
         let s = k as f32 / (strand.len() - 1) as f32;
-        let albedo = color_at(groom.color_transition, ends, s);
+        let albedo = color_at(hairs.color_transition, ends, s);
         // A strand that leaves the shell over the border of the skin keeps its last place.
         inside = inside && shell.locate(&mut place, x, along, 3) == Located::Inside;
         let cell = cell(fur, &place);
@@ -89,7 +91,7 @@ pub fn shade(
         }
         if groom.paper == 1 {
             // [Andersen2016] sec. 3.1
-            radiance *= 1.0 - groom.root_darkening[0] * (-s / groom.root_darkening[1]).exp();
+            radiance *= 1.0 - hairs.root_darkening[0] * (-s / hairs.root_darkening[1]).exp();
         }
         let least = corners(fur.lights.count).into_iter().flatten().fold(f32::INFINITY, f32::min);
         shades.push(Shade { radiance, eye_tau: if inside { least } else { 0.0 } });

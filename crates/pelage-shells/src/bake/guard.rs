@@ -7,15 +7,20 @@ use super::means::SkinSamples;
 use super::strand::{Hair, HairSource, Knot};
 use super::torus::{ClumpCentres, even_root};
 use glam::{Vec2, Vec3, Vec4};
-use pelage_fur::guard_strands::{end_colors, opacity, strand_at};
+use pelage_fur::guard_strands::{end_colors, strand_at};
 use pelage_fur::layout::Groom;
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
 use pelage_fur::random::hash2;
 use pelage_fur::strand_curve::{color_at, control_polygon, leg_directions};
 
 /// The point at which every hair grows before it is moved to its root on the torus.
-const UPRIGHT: SkinPoint =
-    SkinPoint { position: Vec3::ZERO, normal: Vec3::Z, uv: Vec2::ZERO, color: Vec4::ONE };
+const UPRIGHT: SkinPoint = SkinPoint {
+    position: Vec3::ZERO,
+    normal: Vec3::Z,
+    uv: Vec2::ZERO,
+    color: Vec4::ONE,
+    place: MeshPlace::Vertex(0),
+};
 
 /// The guard hairs of a patch.
 pub(super) struct GuardFur {
@@ -43,17 +48,19 @@ impl GuardFur {
         let (count, weight) = whole(wanted, most);
         let mut groom = means.mean_groom();
         let rise = rise(&groom, means);
-        groom.comb_direction = [0.0; 3];
-        groom.gravity = 0.0;
-        let clump = &mut groom.parameters[Parameter::GuardClump as usize].value;
+        let mean = &mut groom.coats[0];
+        mean.hairs.comb_direction = [0.0; 3];
+        mean.hairs.gravity = 0.0;
+        let clump = &mut mean.parameters[Parameter::GuardClump as usize].value;
         *clump = clump.map(|strength| strength.min(1.0));
+        let clump_density = mean.hairs.clump_density;
         Self {
             groom,
             count,
             weight,
             length,
             rise,
-            clumps: ClumpCentres::new(groom.clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
+            clumps: ClumpCentres::new(clump_density * area, Vec2::splat(patch), hash2(seed, 1)),
             seed,
         }
     }
@@ -90,10 +97,12 @@ impl GuardFur {
 /// Height of the tip of a hair of length 1, combed and bent as the groom says, averaged over the
 /// skin.
 fn rise(groom: &Groom, means: &SkinSamples) -> f32 {
-    let comb = Vec3::from(groom.comb_direction) * means.scalar(Parameter::GuardComb);
+    let hairs = &groom.coats[0].hairs;
+    let comb =
+        Vec3::from(hairs.comb_direction) * groom.coats[0].parameters[Parameter::GuardComb as usize].value[0];
     let mean = means.over_normals(|n| {
         let lean = comb.reject_from_normalized(n);
-        let polygon = control_polygon(n, leg_directions(n, lean, groom.gravity));
+        let polygon = control_polygon(n, leg_directions(n, lean, hairs.gravity));
         polygon[2].dot(n) / 3.0
     });
     mean.clamp(0.1, 1.0)
@@ -122,7 +131,7 @@ impl HairSource for GuardFur {
         let seed = hash2(hash2(self.seed, 2), i);
         let root = self.root(i);
         let maps = Maps { groom, texels: &[] };
-        let to_clump = |_| self.clumps.nearest(root.into()).extend(0.0);
+        let to_clump = |_: f32| self.clumps.nearest(root.into()).extend(0.0);
         let mut strand = strand_at(&maps, &UPRIGHT, [Vec3::X, Vec3::Y], seed, to_clump);
         strand.control = strand.control.map(|p| p * Vec3::new(1.0, 1.0, self.rise));
         let ends = end_colors(&maps, &UPRIGHT, seed);
@@ -132,10 +141,10 @@ impl HairSource for GuardFur {
             .map(|k| {
                 let s = k as f32 / segments as f32;
                 Knot {
-                    offset: strand.point(groom, s),
-                    diameter: strand.diameter(groom, s) / self.rise,
-                    opacity: self.weight * opacity(groom, s),
-                    color: color_at(groom.color_transition, ends, s),
+                    offset: strand.point(s),
+                    diameter: strand.diameter(s) / self.rise,
+                    opacity: self.weight * strand.opacity(s),
+                    color: color_at(strand.hairs.color_transition, ends, s),
                 }
             })
             .collect();

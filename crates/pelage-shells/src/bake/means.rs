@@ -5,8 +5,8 @@ use bytemuck::Zeroable;
 use glam::{DVec3, Vec2, Vec3, Vec4};
 use pelage_core::World;
 use pelage_fur::groom::pack_parameters;
-use pelage_fur::layout::{self, Groom};
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint, triangle_point};
+use pelage_fur::layout::{self, Groom, GuardHairs};
+use pelage_fur::parameters::{Blend, Maps, Parameter, SkinPoint, triangle_point};
 use pelage_fur::random::{even_barycentric, hash2, r2, random};
 
 /// Approximate number of points of the skin at which maps are read.
@@ -39,7 +39,7 @@ impl<'a> SkinSamples<'a> {
                 places.push((at, area / f64::from(n)));
             }
         }
-        let (groom, texels) = pack_parameters(world, &world.scene.undercoat.height);
+        let (groom, texels) = pack_parameters(world, None);
         Self { world, groom, texels, places }
     }
 
@@ -53,31 +53,39 @@ impl<'a> SkinSamples<'a> {
         if area > 0.0 { (sum / area).as_vec3() } else { Vec3::ONE }
     }
 
+    /// A parameter that is the same everywhere.
+    fn constant(&self, parameter: Parameter) -> Option<&layout::Parameter> {
+        let own = &self.groom.coats[0].parameters[parameter as usize];
+        (self.groom.count == 1 && own.source == 0).then_some(own)
+    }
+
     /// Mean of a scalar parameter, at least 0.
     pub fn scalar(&self, parameter: Parameter) -> f32 {
-        let constant = &self.groom.parameters[parameter as usize];
-        let value = match constant.source {
-            0 => constant.value[0] + constant.offset,
-            _ => self.mean(|maps, at| Vec3::splat(maps.scalar(parameter, at))).x,
+        let value = match self.constant(parameter) {
+            Some(constant) => constant.value[0] + constant.offset,
+            None => self.mean(|maps, at| Vec3::splat(maps.scalar(parameter, at))).x,
         };
         value.max(0.0)
     }
 
     /// Mean of a colour parameter.
     pub fn color(&self, parameter: Parameter) -> Vec3 {
-        let constant = &self.groom.parameters[parameter as usize];
-        match constant.source {
-            0 => Vec4::from(constant.value).truncate(),
-            _ => self.mean(|maps, at| maps.color(parameter, at)),
+        match self.constant(parameter) {
+            Some(constant) => Vec4::from(constant.value).truncate(),
+            None => self.mean(|maps, at| maps.color(parameter, at)),
         }
     }
 
     /// The groom with the parameters of the guard hairs constant at their means.
     pub fn mean_groom(&self) -> Groom {
-        let mut groom = self.groom;
-        let mut set = |parameter: Parameter, mean: Vec3| {
-            groom.parameters[parameter as usize] = layout::Parameter {
-                value: mean.extend(1.0).to_array(),
+        let mut groom = Groom { count: 1, ..self.groom };
+        let mean = &mut groom.coats[0];
+        if self.groom.count > 1 {
+            mean.hairs = self.mean_hairs();
+        }
+        let mut set = |parameter: Parameter, value: Vec3| {
+            mean.parameters[parameter as usize] = layout::Parameter {
+                value: value.extend(1.0).to_array(),
                 size: [1; 2],
                 ..layout::Parameter::zeroed()
             };
@@ -96,7 +104,24 @@ impl<'a> SkinSamples<'a> {
         for parameter in [Parameter::GuardColorRoot, Parameter::GuardColorTip] {
             set(parameter, self.color(parameter));
         }
+        if self.groom.count > 1 {
+            // The mean lean of parts that are combed differently, not the mean of its factors.
+            let lean = self.mean(|maps, at| maps.combed_lean(at, Vec3::ZERO));
+            set(Parameter::GuardComb, Vec3::splat(lean.length()));
+            mean.hairs.comb_direction = lean.normalize_or_zero().to_array();
+        }
         groom
+    }
+
+    /// Mean over the skin of what describes guard hairs without maps.
+    fn mean_hairs(&self) -> GuardHairs {
+        let maps = Maps { groom: &self.groom, texels: &self.texels };
+        let (mut mean, mut area) = (self.groom.coats[0].hairs, 0.0);
+        for (at, weight) in &self.places {
+            area += weight;
+            mean = mean.over(maps.hairs_at(at), (weight / area.max(1e-30)) as f32);
+        }
+        mean
     }
 
     /// Mean of a function of the face normal over the skin's area.

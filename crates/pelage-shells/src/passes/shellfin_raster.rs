@@ -45,6 +45,8 @@ pub struct Uses {
     pub outline: u32,
     /// Colour or length come from an image or from vertex colours.
     pub mapped: bool,
+    /// Coats: the scene's own and those of its parts.
+    pub coats: u32,
 }
 
 impl ShellfinRaster {
@@ -60,6 +62,7 @@ impl ShellfinRaster {
             ("SHADOW", number(uses.shadow)),
             ("MAPPED", number(uses.mapped)),
             ("OUTLINE", f64::from(uses.outline)),
+            ("COATS", f64::from(uses.coats.max(1))),
         ];
         let kernel = |name: &str, target| {
             let (vertex, fragment) = (format!("{name}_vertex"), format!("{name}_fragment"));

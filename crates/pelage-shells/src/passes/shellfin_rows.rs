@@ -16,7 +16,12 @@ impl ShellfinRows {
     /// [`pelage_core::Error::Gpu`] with the file and line of an error in the shader.
     pub fn new(gpu: &Gpu, variant: Variant) -> Result<Self> {
         Ok(Self {
-            main: Kernel::specialised(gpu, "shellfin_rows", "main", &[variant.guard(), variant.undercoat()])?,
+            main: Kernel::specialised(
+                gpu,
+                "shellfin_rows",
+                "main",
+                &[variant.guard(), variant.undercoat(), variant.coats()],
+            )?,
         })
     }
 

@@ -7,7 +7,7 @@ use pelage_core::scene::LightingTable;
 use pelage_fur::fibre::table::MEAN_GLINT;
 use pelage_fur::fibre::{Angles, Fibre, Hit};
 use pelage_fur::layout::{Brush, Frame, FurParameters, Light, ShellRow, ShellVertex, Shellfin};
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint, unpack_color};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint, unpack_color};
 use pelage_fur::strand_curve::{bezier, side_at, sides};
 use pelage_fur::undercoat::scatter;
 use pelage_render::twin::film::halves;
@@ -64,6 +64,7 @@ impl Hair<'_> {
             normal: vertex.normal.into(),
             uv: Vec2::from(self.uv[v]),
             color: unpack_color(vertex.color),
+            place: MeshPlace::Vertex(v as u32),
         }
     }
 
@@ -82,7 +83,7 @@ impl Hair<'_> {
         let at = self.point(v);
         let mut lean = Vec3::from(self.shellfin.comb);
         if self.shellfin.curved == 1 {
-            lean += Vec3::from(self.maps.groom.comb_direction) * self.maps.scalar(Parameter::GuardComb, &at);
+            lean += self.maps.combed_lean(&at, Vec3::ZERO);
         }
         for brush in &self.brushes[..self.shellfin.brushes as usize] {
             lean += brush_weight(at.position, brush.center, brush.radius) * Vec3::from(brush.direction);
@@ -93,7 +94,7 @@ impl Hair<'_> {
     /// Position of the hair at row height `s` relative to its root, in units of the fur's height.
     fn hair(&self, v: usize, s: f32) -> Vec3 {
         let n = Vec3::from(self.vertices[v].normal);
-        let gravity = (self.shellfin.curved == 1).then_some(self.maps.groom.gravity);
+        let gravity = (self.shellfin.curved == 1).then(|| self.maps.hairs_at(&self.point(v)).gravity);
         let p = bezier(hair_curve(n, self.lean(v), gravity), s);
         bent(p, Vec3::from(self.shellfin.bend) * s.powi(3), n, s)
     }

@@ -110,6 +110,7 @@ impl Slab {
             hairs: vec![hair; squares as usize],
             opacity: Vec::new(),
             color_transition: [0.0, 1.0],
+            color_transitions: Vec::new(),
         }
     }
 }

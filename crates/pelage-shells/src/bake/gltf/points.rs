@@ -9,7 +9,7 @@ use pelage_core::scene::{BakeSource, Mapping};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};
 use pelage_fur::groom;
-use pelage_fur::parameters::{Maps, Parameter, SkinPoint};
+use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
 use pelage_fur::random::{hash2, random};
 use pelage_fur::shell_prisms::{lowered, wanted_heights};
 use pelage_fur::surface;
@@ -119,6 +119,7 @@ pub fn clothe(world: &World, lapped: &Lapped, manifest: &Manifest) -> Result<Clo
                 normal: skin.normals[*v as usize],
                 uv: uv.unwrap_or_default(),
                 color: skin.vertex_color(*v as usize),
+                place: MeshPlace::Vertex(*v),
             };
             let upright = upright[*v as usize];
             let length = kept[*v as usize] * maps.scalar(Parameter::ShellLength, &at).max(0.0);
@@ -152,10 +153,10 @@ fn hair(world: &World, groom: Option<&Maps<'_>>, at: &SkinPoint, n: Vec3, bend: 
         .map(|b| brush_weight(at.position, b.center, b.radius) * Vec3::from(b.direction));
     let mut lean = Vec3::from(shells.comb) + strokes.sum::<Vec3>();
     if let Some(maps) = groom {
-        lean += Vec3::from(maps.groom.comb_direction) * maps.scalar(Parameter::GuardComb, at);
+        lean += maps.combed_lean(at, Vec3::ZERO);
     }
     lean -= n * n.dot(lean);
-    let [p1, p2, p3] = hair_curve(n, lean, groom.map(|maps| maps.groom.gravity));
+    let [p1, p2, p3] = hair_curve(n, lean, groom.map(|maps| maps.hairs_at(at).gravity));
     [p1, p2, bent(p3, bend, n, 1.0)]
 }
 
