@@ -64,7 +64,7 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     }
     shells::check_folder(&args.outdir)?;
     let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    output::print_notes(world.mesh_notes(), global.quiet);
     let textures = shells::bake(&world)?;
     let metadata = Metadata::of_program()
         .with_scene(&toml::to_string(&world.scene).unwrap_or_default())

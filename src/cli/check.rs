@@ -22,6 +22,10 @@ pub(super) struct CheckArgs {
 struct Counts {
     vertices: u64,
     triangles: u64,
+    /// Meshes without fur.
+    objects: u64,
+    /// Triangles of all objects.
+    object_triangles: u64,
     /// cm².
     area: f64,
     /// Size of the bounding box, cm.
@@ -36,6 +40,8 @@ struct Counts {
 #[derive(Debug, Serialize)]
 struct Bytes {
     skin: u64,
+    /// Triangles of objects, their hierarchy, and the grid of the fur's extinction.
+    objects: u64,
     strands: u64,
     undercoat: u64,
     maps: u64,
@@ -46,6 +52,8 @@ struct Bytes {
 // of a triangle; root and segment vertices of a strand; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
+// Three vertices, a record and nodes of the hierarchy of an object's triangle.
+const OBJECT_TRIANGLE: u64 = 3 * 32 + 48 + 68;
 const ROOT: u64 = 48;
 const SEGMENT_VERTEX: u64 = 32;
 const SUBELEMENT: u64 = 4;
@@ -53,11 +61,11 @@ const SUBELEMENT: u64 = 4;
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    output::print_notes(world.mesh_notes(), global.quiet);
     let counts = counts(&world);
     let bytes = bytes(&world, &counts);
     if args.json {
-        let notes = &world.skin.notes;
+        let notes: Vec<&String> = world.mesh_notes().collect();
         return output::print_json(&serde_json::json!({
             "scene": world.scene, "counts": counts, "bytes": bytes, "notes": notes,
         }));
@@ -74,6 +82,8 @@ fn counts(world: &World) -> Counts {
     Counts {
         vertices: skin.positions.len() as u64,
         triangles: skin.triangles.len() as u64,
+        objects: world.objects.len() as u64,
+        object_triangles: world.triangles() - skin.triangles.len() as u64,
         area,
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
@@ -107,6 +117,11 @@ fn bytes(world: &World, counts: &Counts) -> Bytes {
     let stored = world.scene.undercoat.storage != Storage::Evaluated;
     Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
+        objects: if counts.objects > 0 {
+            counts.object_triangles * OBJECT_TRIANGLE + pelage::render::fur_grid_bytes(world)
+        } else {
+            0
+        },
         strands: counts.strands * (ROOT + (segments + 1) * SEGMENT_VERTEX),
         undercoat: if stored { counts.subelements * SUBELEMENT } else { 0 },
         maps: world.maps.images.iter().map(|m| m.texels.len() as u64 * 16).sum(),
@@ -120,6 +135,10 @@ fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
     let mut text = toml;
     text += "\n# Expected counts\n";
     text += &format!("# triangles    {} ({} vertices)\n", count(c.triangles), count(c.vertices));
+    if c.objects > 0 {
+        let objects = format!("{} of {} triangles", count(c.objects), count(c.object_triangles));
+        text += &format!("# objects      {objects}\n");
+    }
     text += &format!("# area         {:.1} cm²\n", c.area);
     text += &format!("# extent       {:.2} x {:.2} x {:.2} cm\n", c.extent[0], c.extent[1], c.extent[2]);
     text += &format!("# uv           {}\n", if c.has_uv { "yes" } else { "no: maps are sampled triplanar" });
@@ -127,11 +146,17 @@ fn text(scene: &Scene, c: &Counts, b: &Bytes) -> Result<String> {
     text += &format!("# strands      {} expected\n", count(c.strands));
     text += &format!("# subelements  {}\n", count(c.subelements));
     text += "\n# Estimated GPU memory\n";
-    let rows = [("skin", b.skin), ("strands", b.strands), ("undercoat", b.undercoat), ("maps", b.maps)];
-    for (name, bytes) in rows {
+    let rows = [
+        ("skin", b.skin),
+        ("objects", b.objects),
+        ("strands", b.strands),
+        ("undercoat", b.undercoat),
+        ("maps", b.maps),
+    ];
+    for (name, bytes) in rows.into_iter().filter(|(name, _)| *name != "objects" || c.objects > 0) {
         text += &format!("# {name:<12} {}\n", human_bytes(bytes));
     }
-    let fixed = b.skin + b.strands + b.undercoat + b.maps;
+    let fixed = b.skin + b.objects + b.strands + b.undercoat + b.maps;
     text += &format!("# total        {} of a budget of {}\n", human_bytes(fixed), human_bytes(b.budget));
     if fixed > b.budget {
         text += "# over the budget: strands are generated in batches, undercoat densities are evaluated while marching\n";

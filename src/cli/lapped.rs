@@ -54,7 +54,7 @@ pub(super) fn run(args: &LappedArgs, global: &Global) -> Result<()> {
         ["patches.obj", "patches.png", "field.png", "lapped.json"].map(|name| folder.join(name));
     [&obj, &picture, &field, &json].into_iter().try_for_each(|path| files::check_target(path))?;
     let skin = mesh::load(&scene.mesh, &|name| assets.find(name))?;
-    output::print_notes(&skin, global.quiet);
+    output::print_notes(&skin.notes, global.quiet);
     let lapped = shells::lap(&skin, &scene)?;
     let statistics = lapped.statistics(&skin)?;
     shells::write_obj(&lapped, &skin, &obj)?;

@@ -1,6 +1,6 @@
 //! Output to stdout, stderr and files.
 
-use pelage::{Error, Result, Skin};
+use pelage::{Error, Result};
 use pelage_core::files;
 use serde::Serialize;
 use std::io::Write;
@@ -15,10 +15,10 @@ pub(super) fn print(text: &str) -> Result<()> {
     }
 }
 
-/// Prints the notes about a mesh to stderr, unless `quiet`.
-pub(super) fn print_notes(skin: &Skin, quiet: bool) {
+/// Prints the notes about meshes to stderr, unless `quiet`.
+pub(super) fn print_notes<'a>(notes: impl IntoIterator<Item = &'a String>, quiet: bool) {
     if !quiet {
-        skin.notes.iter().for_each(|note| eprintln!("note: {note}"));
+        notes.into_iter().for_each(|note| eprintln!("note: {note}"));
     }
 }
 

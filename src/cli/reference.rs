@@ -98,7 +98,7 @@ pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     let backdrop = Backdrop::load(&scene, &assets)?;
     let cancel = interrupt::listen()?;
     let world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    output::print_notes(world.mesh_notes(), global.quiet);
     let limited = args.time.is_some() || args.error.is_some();
     let mut options = Options {
         integrator: args.integrator,

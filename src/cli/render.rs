@@ -57,7 +57,7 @@ pub(super) fn run(args: &RenderArgs, global: &Global) -> Result<()> {
     args.outfile.iter().chain(&args.stats).try_for_each(|path| files::check_target(&named(path, first)))?;
     let cancel = interrupt::listen()?;
     let mut world = World::load(scene, &assets)?;
-    output::print_notes(&world.skin, global.quiet);
+    output::print_notes(world.mesh_notes(), global.quiet);
     if cancel.load(Ordering::SeqCst) {
         return Err(Error::Interrupted);
     }

@@ -41,7 +41,7 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     let skin = skin
         .unwrap_or_else(|| pelage_core::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
     let lights = pelage_core::light::lights_of(&scene, &assets).expect("lights");
-    World { scene, skin, lights, maps: MapSet { images, notes: Vec::new() }, textures: None }
+    World { scene, skin, objects: Vec::new(), lights, maps: MapSet { images, notes: Vec::new() }, textures: None }
 }
 
 /// An image map of a function of uv, read at the texels' centres.

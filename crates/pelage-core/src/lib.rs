@@ -10,6 +10,7 @@ pub mod hair;
 pub mod light;
 pub mod maps;
 pub mod mesh;
+pub mod objects;
 pub mod scene;
 pub mod skin;
 pub mod stats;

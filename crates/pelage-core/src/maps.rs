@@ -106,6 +106,11 @@ fn maps_of(scene: &Scene) -> Vec<(&str, bool)> {
             maps.push((m.map.as_str(), true));
         }
     }
+    for object in &scene.objects {
+        if let Color::Mapped(m) = &object.material.color {
+            maps.push((m.map.as_str(), true));
+        }
+    }
     maps.retain(|(name, _)| *name != VERTEX_COLOR);
     maps
 }

@@ -12,6 +12,7 @@ mod defaults;
 mod fibre;
 mod load;
 pub mod model;
+mod objects;
 mod output;
 mod overrides;
 pub mod preset;

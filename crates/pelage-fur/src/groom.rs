@@ -4,7 +4,7 @@ mod lights;
 mod map_packer;
 
 use crate::fibre::Fibre;
-use crate::layout::{Groom, Light, LightParameters, Noise, UndercoatParameters};
+use crate::layout::{Groom, Light, LightParameters, Noise, ObjectMaterial, UndercoatParameters};
 use crate::simplex::noise_tables;
 use glam::Vec3;
 use lights::pack_lights;
@@ -25,6 +25,8 @@ pub struct PackedGroom {
     pub groom: Groom,
     /// Texels of all maps, four halves each, followed by the scattering tables of both fibres.
     pub texels: Vec<[u32; 2]>,
+    /// Materials of the objects, in the order of the scene.
+    pub objects: Vec<ObjectMaterial>,
     /// First texels of the scattering tables of guard hairs and undercoat.
     pub table_bases: [u32; 2],
     /// Settings of the undercoat.
@@ -99,9 +101,10 @@ fn shell_height(scene: &Scene) -> Scalar {
     }
 }
 
-/// Packs the parameters, the settings of the guard hairs, and the texels of all maps. `height` is
+/// Packs the parameters, the settings of the guard hairs, the texels of all maps, and the materials
+/// of the objects. `height` is
 /// the parameter [`UndercoatHeight`](crate::parameters::Parameter::UndercoatHeight).
-pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>) {
+pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>, Vec<ObjectMaterial>) {
     let scene = &world.scene;
     let mut maps = MapPacker::new(&world.maps, world.skin.corner_uv.is_some());
     let (guard, undercoat) = (&scene.guard, &scene.undercoat);
@@ -143,7 +146,20 @@ pub fn pack_parameters(world: &World, height: &Scalar) -> (Groom, Vec<[u32; 2]>)
         paper: u32::from(scene.render.shading == Shading::Paper),
         padding: 0,
     };
-    (groom, maps.finish())
+    let objects = world.objects.iter().map(|object| {
+        let material = &object.material;
+        ObjectMaterial {
+            color: maps.color_on(&material.color, object.surface.corner_uv.is_some()),
+            roughness: material.roughness,
+            metallic: material.metallic,
+            clearcoat: material.clearcoat,
+            clearcoat_roughness: material.clearcoat_roughness,
+            shadow_catcher: u32::from(object.shadow_catcher),
+            padding: [0; 3],
+        }
+    });
+    let objects = objects.collect();
+    (groom, maps.finish(), objects)
 }
 
 /// Packs the groom of `world`.
@@ -151,7 +167,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
     let undercoat = &scene.undercoat;
     let shell_height = shell_height(scene);
-    let (groom, mut texels) = pack_parameters(world, &shell_height);
+    let (groom, mut texels, objects) = pack_parameters(world, &shell_height);
     let multiple = multiple_model(scene);
     let comb = Vec3::from(groom.comb_direction);
     let extinction =
@@ -199,6 +215,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     Ok(PackedGroom {
         groom,
         texels,
+        objects,
         table_bases,
         undercoat,
         guard_fibre,

@@ -69,7 +69,7 @@ shared! {
         neighbours: [u32; 3],
         subdivision: u32,
         edges: [u32; 3],
-        padding: u32,
+        object: u32,
     }
     /// `shared/undercoat_types.wgsl`: derived from the scene.
     struct UndercoatParameters {
@@ -164,6 +164,23 @@ shared! {
         direction: [f32; 3],
         undercoat: u32,
         irradiance: [f32; 3],
+        spread: f32,
+    }
+    /// `objects.wgsl`
+    struct ObjectMaterial {
+        color: Parameter,
+        roughness: f32,
+        metallic: f32,
+        clearcoat: f32,
+        clearcoat_roughness: f32,
+        shadow_catcher: u32,
+        padding: [u32; 3],
+    }
+    /// `shared/fur_grid.wgsl`
+    struct FurGrid {
+        low: [f32; 3],
+        cell: f32,
+        size: [u32; 3],
         padding: u32,
     }
     /// `shared/fibre.wgsl`
@@ -204,7 +221,7 @@ shared! {
         seed: u32,
         lambda: [f32; 2],
     }
-    /// `light_occlusion.wgsl`
+    /// `shared/bvh.wgsl`
     struct BvhNode {
         low: [f32; 3],
         first: u32,

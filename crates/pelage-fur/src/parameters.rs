@@ -1,7 +1,7 @@
 //! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point
 //! of the skin.
 
-use crate::layout::{Groom, Root};
+use crate::layout::{self, Groom, Root};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3, Vec4};
 use half::f16;
@@ -95,8 +95,7 @@ pub struct Maps<'a> {
 }
 
 impl Maps<'_> {
-    fn texel(&self, parameter: Parameter, x: i32, y: i32) -> Vec4 {
-        let p = &self.groom.parameters[parameter as usize];
+    fn texel(&self, p: &layout::Parameter, x: i32, y: i32) -> Vec4 {
         let [width, height] = p.size.map(|s| s as i32);
         let at = p.texel_base as usize + (y.rem_euclid(height) * width + x.rem_euclid(width)) as usize;
         let halves = |word: u32| [word as u16, (word >> 16) as u16].map(|h| f16::from_bits(h).to_f32());
@@ -105,22 +104,21 @@ impl Maps<'_> {
     }
 
     /// Repeating bilinear lookup; v = 0 is the bottom row.
-    fn bilinear(&self, parameter: Parameter, uv: Vec2) -> Vec4 {
-        let size = self.groom.parameters[parameter as usize].size;
-        bilinear(size, uv, |x, y| self.texel(parameter, x, y))
+    fn bilinear(&self, p: &layout::Parameter, uv: Vec2) -> Vec4 {
+        bilinear(p.size, uv, |x, y| self.texel(p, x, y))
     }
 
     /// Three planar lookups with a period of 10 cm, weighted by the normal.
     // [Geiss2007]
-    fn triplanar(&self, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
-        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(parameter, uv))
+    fn triplanar(&self, p: &layout::Parameter, position: Vec3, normal: Vec3) -> Vec4 {
+        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(p, uv))
     }
 
-    fn lookup(&self, parameter: Parameter, at: &SkinPoint) -> Vec4 {
-        match self.groom.parameters[parameter as usize].source {
+    fn lookup(&self, p: &layout::Parameter, at: &SkinPoint) -> Vec4 {
+        match p.source {
             1 => at.color.extend(1.0),
-            2 => self.bilinear(parameter, at.uv),
-            3 => self.triplanar(parameter, at.position, at.normal),
+            2 => self.bilinear(p, at.uv),
+            3 => self.triplanar(p, at.position, at.normal),
             _ => Vec4::ONE,
         }
     }
@@ -128,12 +126,16 @@ impl Maps<'_> {
     /// Evaluates a scalar parameter.
     pub fn scalar(&self, parameter: Parameter, at: &SkinPoint) -> f32 {
         let p = &self.groom.parameters[parameter as usize];
-        p.value[0] * self.lookup(parameter, at)[p.channel as usize] + p.offset
+        p.value[0] * self.lookup(p, at)[p.channel as usize] + p.offset
     }
 
     /// Evaluates a colour parameter, linear RGB.
     pub fn color(&self, parameter: Parameter, at: &SkinPoint) -> Vec3 {
-        let p = &self.groom.parameters[parameter as usize];
-        Vec4::from(p.value).truncate() * self.lookup(parameter, at).truncate()
+        self.color_of(&self.groom.parameters[parameter as usize], at)
+    }
+
+    /// Evaluates a packed colour, linear RGB.
+    pub fn color_of(&self, p: &layout::Parameter, at: &SkinPoint) -> Vec3 {
+        Vec4::from(p.value).truncate() * self.lookup(p, at).truncate()
     }
 }

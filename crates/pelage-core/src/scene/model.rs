@@ -5,6 +5,7 @@
 
 pub use super::animation::*;
 pub use super::fibre::*;
+pub use super::objects::*;
 pub use super::output::*;
 pub use super::shellfin::*;
 use schemars::JsonSchema;
@@ -22,6 +23,9 @@ pub struct Scene {
     pub preset: Option<String>,
     /// The skin.
     pub mesh: MeshSpec,
+    /// Meshes without fur. They cover fur and skin, cast shadows on them, and receive theirs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectSpec>,
     /// The camera.
     pub camera: Camera,
     /// Directional lights.

@@ -1,13 +1,13 @@
 //! Step 2: the optical depths towards the lights, and the light that march and strands look up.
 
 use super::Prepared;
-use super::occluders::bvh;
+use super::objects::hierarchy;
 use pelage_core::scene::FurLayers;
 use pelage_core::{Result, World};
 use pelage_fur::groom;
 use pelage_fur::layout::Light;
 use pelage_gpu::recorder::Timings;
-use pelage_gpu::{Buffer, Gpu, Recorder};
+use pelage_gpu::{Buffer, Buffers, Gpu, Recorder};
 
 impl Prepared<'_> {
     /// Computes the light in the fur: extinction at the nodes of the lattice, optical depths
@@ -31,8 +31,12 @@ impl Prepared<'_> {
         self.passes.guard_splat.record_normalise(&mut recorder, &scope, nodes)?;
         recorder.submit(timings)?;
         drop(deposits);
-        let swept = self.sweep(world, &extinction, fibre_table, timings)?;
+        let (tree, swept) = self.sweep(world, &extinction, fibre_table, timings)?;
         self.buffers.extend(swept);
+        if !world.objects.is_empty() {
+            // Objects are lit through it in every tile.
+            self.buffers.extend(tree);
+        }
         self.buffers.push(extinction);
         if world.scene.render.fur == FurLayers::Shells {
             // The hairs are in the textures; here they only attenuate light.
@@ -71,19 +75,18 @@ impl Prepared<'_> {
         Ok(())
     }
 
-    /// Computes `tau`, `node_light` and `base_light`.
+    /// Computes `tau`, `node_light` and `base_light`, and the hierarchy of what blocks light.
     fn sweep(
         &self,
         world: &World,
         extinction: &Buffer,
         fibre_table: &[[u32; 2]],
         timings: &mut Timings,
-    ) -> Result<[Buffer; 3]> {
+    ) -> Result<(Buffers, [Buffer; 3])> {
         let gpu = self.gpu;
         let nodes = self.nodes();
         let columns = self.fur.lattice.columns;
-        let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
-        let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
+        let tree = hierarchy(gpu, world)?;
         let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.lattice.tau_stride) * 4)?;
         let source = gpu.storage("node_light", 2, nodes * 16 + fibre_table.len() as u64 * 8)?;
         if !fibre_table.is_empty() {
@@ -91,10 +94,7 @@ impl Prepared<'_> {
         }
         let base_light = gpu.storage("base_light", 2, u64::from(columns) * 8)?;
         let mut recorder = Recorder::new(gpu);
-        let scope = self
-            .scope()
-            .with(&[extinction, &tau, &source, &base_light])
-            .with(&tree.iter().collect::<Vec<_>>());
+        let scope = tree.add_to(&self.scope().with(&[extinction, &tau, &source, &base_light]));
         self.passes.light_occlusion.record(&mut recorder, &scope, columns)?;
         let pairs = groom::tau_pairs(self.fur.lights.count);
         let _sweeps = self.passes.undercoat_light.record(
@@ -107,7 +107,7 @@ impl Prepared<'_> {
         )?;
         self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
         recorder.submit(timings)?;
-        Ok([tau, source, base_light])
+        Ok((tree, [tau, source, base_light]))
     }
 }
 

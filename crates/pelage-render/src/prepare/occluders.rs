@@ -1,15 +1,16 @@
-//! The skin as an occluder of light outside the shell.
+//! Skin and objects as occluders of light outside the shell.
 
-use pelage_core::Skin;
+use glam::Vec3;
 use pelage_fur::layout::BvhNode;
 
-/// A binary BVH over the skin's triangles, built by obvhs: nodes as `light_occlusion` reads them,
-/// and triangle numbers in the order of the leaves.
-pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
+/// A binary BVH over triangles, built by obvhs: nodes as the shaders read them, and the triangles'
+/// indices in the order of the leaves.
+pub(super) fn bvh(corners: &[[Vec3; 3]]) -> (Vec<BvhNode>, Vec<u32>) {
     use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
-    let triangles: Vec<Triangle> = (0..skin.triangles.len())
-        .map(|t| {
-            let [v0, v1, v2] = skin.corners(t).map(glam::Vec3A::from);
+    let triangles: Vec<Triangle> = corners
+        .iter()
+        .map(|corners| {
+            let [v0, v1, v2] = corners.map(glam::Vec3A::from);
             Triangle { v0, v1, v2 }
         })
         .collect();

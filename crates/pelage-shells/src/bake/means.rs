@@ -39,7 +39,7 @@ impl<'a> SkinSamples<'a> {
                 places.push((at, area / f64::from(n)));
             }
         }
-        let (groom, texels) = pack_parameters(world, &world.scene.undercoat.height);
+        let (groom, texels, _) = pack_parameters(world, &world.scene.undercoat.height);
         Self { world, groom, texels, places }
     }
 
