@@ -1,5 +1,6 @@
-// Step 4: the skin. The raster stage writes only which triangle is nearest at each sample; `shade`
-// turns that into base records, lit from the lattice's columns. [Andersen2016] table 1
+// Step 4: the skin, and which objects are seen. The raster stage writes only which triangle of both
+// is nearest at each sample; `shade` turns that of the skin into base records, lit from the lattice's
+// columns. [Andersen2016] table 1
 // In: `shell_vertices`, `prisms`, `base_light` (radiance at the columns). Out: `base_records`, one
 // per sample (shared/base): depth in cm, linear RGB radiance, normal.
 
@@ -54,6 +55,9 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         return;
     }
     let prism = seen - 1u;
+    if prisms[prism].object != 0u {
+        return; // written by `objects`
+    }
     var place: Place;
     enter_prism(&place, prism);
     let p0 = place.p0;

@@ -79,8 +79,9 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
             (*g).normal += base_coverage * unpack_direction(base.w);
         }
         (*g).base = (*g).through * base_radiance(base);
-        (*g).z_sum += (*g).through * z_base;
-        (*g).through = 0.0;
+        let transparency = base_transparency(base);
+        (*g).z_sum += (*g).through * (1.0 - transparency) * z_base;
+        (*g).through *= transparency;
         normal = base.w;
     }
     let opacity = 1.0 - (*g).through;

@@ -2,9 +2,7 @@
 // Parts of the skin have values of their own, which go over into each other.
 // Needs: groom (uniform Groom), maps_and_tables (array<vec2u>, four halves per texel).
 
-#import shared/arithmetic
-#import shared/groom_types
-#import shared/halves
+#import shared/map_lookup
 #import shared/shell_types
 
 const GUARD_DENSITY: u32 = 0u;
@@ -46,45 +44,9 @@ fn point_of_vertex(vertex: ShellVertex, uv: vec2f, v: u32) -> SkinPoint {
         vec3u(groom.vertex_rows + v), vec3f(1.0, 0.0, 0.0));
 }
 
-// A texel of a parameter's map, which repeats.
-fn texel(coat: u32, parameter: u32, x: i32, y: i32) -> vec4f {
-    let size = vec2i(groom.coats[coat].parameters[parameter].size);
-    let column = ((x % size.x) + size.x) % size.x;
-    let row = ((y % size.y) + size.y) % size.y;
-    let base = groom.coats[coat].parameters[parameter].texel_base;
-    return unpack_half4(maps_and_tables[base + u32(row * size.x + column)]);
-}
-
-// Bilinear lookup in a map that repeats; v = 0 is the lower edge.
-fn bilinear(coat: u32, parameter: u32, uv: vec2f) -> vec4f {
-    let size = vec2f(groom.coats[coat].parameters[parameter].size);
-    let p = vec2f(fract(uv.x), 1.0 - fract(uv.y)) * size - 0.5;
-    let base = floor(p);
-    let f = p - base;
-    let x = i32(base.x);
-    let y = i32(base.y);
-    return mix_bilinear(texel(coat, parameter, x, y), texel(coat, parameter, x + 1, y),
-        texel(coat, parameter, x, y + 1), texel(coat, parameter, x + 1, y + 1), f);
-}
-
-// For skins without uv: three planar lookups, one repeat per 10 cm, weighted by the normal.
-// [Geiss2007]
-fn triplanar(coat: u32, parameter: u32, position: vec3f, normal: vec3f) -> vec4f {
-    let n2 = normal * normal;
-    let w = n2 * n2 / dot(n2, n2);
-    let p = position / 10.0;
-    return w.x * bilinear(coat, parameter, p.yz) + w.y * bilinear(coat, parameter, p.xz)
-        + w.z * bilinear(coat, parameter, p.xy);
-}
-
 // Factor on a parameter's constant at a point of the skin.
 fn parameter_texel(coat: u32, parameter: u32, at: SkinPoint) -> vec4f {
-    switch groom.coats[coat].parameters[parameter].source {
-        case 1u: { return at.color; }
-        case 2u: { return bilinear(coat, parameter, at.uv); }
-        case 3u: { return triplanar(coat, parameter, at.position - groom.origin, at.normal); }
-        default: { return vec4f(1.0); }
-    }
+    return map_value(groom.coats[coat].parameters[parameter], at.position - groom.origin, at.normal, at.uv, at.color);
 }
 
 // A scalar parameter of one coat at a point of the skin.

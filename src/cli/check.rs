@@ -36,6 +36,10 @@ pub(super) struct CheckArgs {
 struct Counts {
     vertices: u64,
     triangles: u64,
+    /// Meshes without fur.
+    objects: u64,
+    /// Triangles of all objects.
+    object_triangles: u64,
     /// cm².
     area: f64,
     /// Size of the bounding box, cm.
@@ -51,6 +55,8 @@ struct Counts {
 #[derive(Debug, Serialize)]
 struct Bytes {
     skin: u64,
+    /// Triangles of objects, their hierarchy, and the grid of the fur's extinction.
+    objects: u64,
     strands: u64,
     undercoat: u64,
     lattice: u64,
@@ -62,6 +68,8 @@ struct Bytes {
 // of a triangle; packed density and tangent of a subelement.
 const VERTEX: u64 = 48;
 const TRIANGLE: u64 = 24 + 6 * 16;
+// Three vertices, a record and nodes of the hierarchy of an object's triangle.
+const OBJECT_TRIANGLE: u64 = 3 * 32 + 48 + 68;
 const SUBELEMENT: u64 = 4;
 /// The least that any adapter allows for a binding.
 const BINDING: u64 = 128 << 20;
@@ -103,6 +111,8 @@ fn counts(world: &World) -> Counts {
     Counts {
         vertices: skin.positions.len() as u64,
         triangles: skin.triangles.len() as u64,
+        objects: world.objects.len() as u64,
+        object_triangles: world.triangles() - skin.triangles.len() as u64,
         area: extent.area,
         extent: if skin.positions.is_empty() { [0.0; 3] } else { (hi - lo).into() },
         has_uv: skin.corner_uv.is_some(),
@@ -120,6 +130,11 @@ fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
     let stored = stores_undercoat(world, media, BINDING);
     Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
+        objects: if counts.objects > 0 {
+            counts.object_triangles * OBJECT_TRIANGLE + pelage::render::fur_grid_bytes(world)
+        } else {
+            0
+        },
         strands: counts.strands * strand_bytes(segments, false),
         undercoat: if stored { media } else { 0 },
         lattice: lattice_bytes(world)?,
@@ -159,6 +174,9 @@ fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
     }
     let uv = if c.has_uv { "with uv" } else { "without uv: maps repeat every 10 cm" };
     text += &format!("mesh         {} triangles, {} vertices, {uv}\n", count(c.triangles), count(c.vertices));
+    if c.objects > 0 {
+        text += &format!("objects      {}, {} triangles\n", count(c.objects), count(c.object_triangles));
+    }
     let film = &scene.film;
     let lights = count(c.lights);
     text += &format!(
@@ -171,6 +189,7 @@ fn summary(world: &World, c: &Counts, b: &Bytes) -> String {
         ("undercoat", b.undercoat),
         ("light", b.lattice),
         ("maps", b.maps),
+        ("objects", b.objects),
     ];
     let used = rows.iter().filter(|(_, bytes)| *bytes > 0);
     let parts: Vec<_> = used.map(|(name, bytes)| format!("{name} {}", human_bytes(*bytes))).collect();

@@ -44,6 +44,7 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     World {
         scene,
         skin,
+        objects: Vec::new(),
         lights,
         maps: MapSet { images, notes: Vec::new() },
         textures: None,

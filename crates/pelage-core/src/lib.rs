@@ -11,6 +11,7 @@ pub mod light;
 mod map_detail;
 pub mod maps;
 pub mod mesh;
+pub mod objects;
 pub mod parts;
 pub mod scene;
 pub mod skin;

@@ -2,7 +2,7 @@
 
 use crate::assets::Assets;
 use crate::film::io;
-use crate::scene::{Coat, Color, Part, Scalar};
+use crate::scene::{Coat, Color, MeshSpec, Part, Scalar};
 use crate::{Error, Result, Scene};
 use glam::{Vec2, Vec3, Vec4};
 use std::path::Path;
@@ -79,10 +79,25 @@ pub fn uses_vertex_color(scene: &Scene) -> bool {
     names_of(scene).iter().any(|(name, ..)| *name == VERTEX_COLOR)
 }
 
-/// The images that the groom names and their layers, with repetitions, and whether each is read as
+/// A note that vertex colours are read from a mesh that has none.
+pub(crate) fn white_vertices(mesh: &MeshSpec) -> String {
+    let name = match (&mesh.path, mesh.shape) {
+        (Some(path), _) => path.clone(),
+        (None, shape) => shape.map_or_else(String::new, |s| format!("the shape {s:?}")),
+    };
+    format!(
+        "warning: {name} has no vertex colours: what the scene reads from \"{VERTEX_COLOR}\" is white everywhere"
+    )
+}
+
+/// The images that groom and objects name and their layers, with repetitions, and whether each is read as
 /// a colour.
 fn maps_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
     let mut maps = names_of(scene);
+    maps.extend(scene.objects.iter().filter_map(|object| match &object.material.color {
+        Color::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), true)),
+        Color::Constant(_) => None,
+    }));
     maps.retain(|(name, ..)| *name != VERTEX_COLOR);
     maps
 }

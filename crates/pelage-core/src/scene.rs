@@ -15,6 +15,7 @@ mod load;
 mod markdown;
 mod mesh;
 pub mod model;
+mod objects;
 mod output;
 mod overrides;
 mod part;

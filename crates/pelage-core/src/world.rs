@@ -2,8 +2,9 @@
 
 use crate::assets::Assets;
 use crate::light::Light;
-use crate::maps::{self, MapSet, VERTEX_COLOR};
-use crate::{Result, Scene, Skin, stage};
+use crate::maps::{self, MapSet};
+use crate::objects::{self, Object};
+use crate::{Error, Result, Scene, Skin, stage};
 
 /// A scene with its assets.
 #[derive(Debug, Clone)]
@@ -12,6 +13,8 @@ pub struct World {
     pub scene: Scene,
     /// The skin.
     pub skin: Skin,
+    /// Meshes without fur.
+    pub objects: Vec<Object>,
     /// All lights, the environment's included.
     pub lights: Vec<Light>,
     /// The image maps that the groom names.
@@ -23,6 +26,28 @@ pub struct World {
 }
 
 impl World {
+    /// Number of triangles of the skin and of all objects.
+    pub fn triangles(&self) -> u64 {
+        let objects: usize = self.objects.iter().map(|o| o.surface.triangles.len()).sum();
+        (self.skin.triangles.len() + objects) as u64
+    }
+
+    /// Refuses a scene with objects.
+    ///
+    /// # Errors
+    /// [`Error::Unsupported`] if the scene has objects: `what` cannot show them.
+    pub fn without_objects(&self, what: &str) -> Result<()> {
+        let names: Vec<_> = self.objects.iter().map(|object| format!("\"{}\"", object.name)).collect();
+        if names.is_empty() {
+            return Ok(());
+        }
+        Err(Error::Unsupported(format!(
+            "{what} cannot show objects, and the scene has {}: remove [[objects]], or use pelage render with another \
+             render.fur than \"shells\"",
+            names.join(", ")
+        )))
+    }
+
     /// Loads the files that `scene` names, and completes its camera and light where it gives none.
     ///
     /// # Errors
@@ -31,23 +56,19 @@ impl World {
     pub fn load(mut scene: Scene, assets: &Assets) -> Result<Self> {
         let mut skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         if !skin.colored && maps::uses_vertex_color(&scene) {
-            let name = match (&scene.mesh.path, scene.mesh.shape) {
-                (Some(path), _) => path.clone(),
-                (None, shape) => shape.map_or_else(String::new, |s| format!("the shape {s:?}")),
-            };
-            skin.notes.push(format!(
-                "warning: {name} has no vertex colours: what the scene reads from \"{VERTEX_COLOR}\" is white everywhere"
-            ));
+            skin.notes.push(maps::white_vertices(&scene.mesh));
         }
         crate::parts::check(&scene, &skin)?;
         skin.notes.extend(crate::parts::notes(&scene));
+        let objects = objects::load(&scene, assets)?;
         let mut notes = skin.notes.clone();
+        notes.extend(objects.iter().flat_map(|o| o.surface.notes.iter().cloned()));
         notes.extend(stage::complete(&mut scene, &skin));
         let lights = crate::light::lights_of(&scene, assets)?;
         let maps = MapSet::load(&scene, assets)?;
         notes.extend(maps.notes.iter().cloned());
         notes.extend(crate::map_detail::notes(&scene, &skin, &maps));
         let textures = scene.shells.textures.as_ref().map(|name| assets.find(name)).transpose()?;
-        Ok(Self { scene, skin, lights, maps, textures, notes })
+        Ok(Self { scene, skin, objects, lights, maps, textures, notes })
     }
 }

@@ -98,8 +98,8 @@ pub(crate) struct Job<'a> {
 ///
 /// # Errors
 /// [`Error::Io`] if the folder cannot be created or a file cannot be written; [`Error::Scene`] for
-/// an environment map that cannot be read; [`Error::Unsupported`] for more points than a HAIR file
-/// holds.
+/// an environment map that cannot be read; [`Error::Unsupported`] for a scene with objects, and for
+/// more points than a HAIR file holds.
 pub fn write(
     world: &World,
     strands: &[Strands],
@@ -108,6 +108,9 @@ pub fn write(
     environment: EnvironmentAs,
     folder: &Path,
 ) -> Result<Vec<Written>> {
+    if target != Target::Hair {
+        world.without_objects("the export")?;
+    }
     check_folder(folder, target)?;
     let sky = match (&world.scene.environment, environment) {
         (Some(spec), EnvironmentAs::Map) => Some(Sky::load(spec, assets)?),
@@ -212,7 +215,7 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
 /// [`skin_colors`] by the packed groom, which knows the parts; one value if they are all the same.
 fn colors_with_parts(world: &World) -> Vec<Vec3> {
     let skin = &world.skin;
-    let (groom, texels) = pelage_fur::groom::pack_parameters(world, None);
+    let (groom, texels, _) = pelage_fur::groom::pack_parameters(world, None);
     let maps = Maps { groom: &groom, texels: &texels };
     let uv = pelage_fur::surface::vertex_uv(skin);
     let at = |v: usize| SkinPoint {

@@ -6,7 +6,9 @@ mod lights;
 mod map_packer;
 
 use crate::fibre::Fibre;
-use crate::layout::{self, Groom, Light, LightParameters, MAX_COATS, Noise, UndercoatParameters};
+use crate::layout::{
+    self, Groom, Light, LightParameters, MAX_COATS, Noise, ObjectMaterial, UndercoatParameters,
+};
 use crate::parameters::NO_LANE;
 use crate::simplex::noise_tables;
 use bytemuck::Zeroable;
@@ -29,6 +31,8 @@ pub struct PackedGroom {
     pub groom: Groom,
     /// Texels of all maps, four halves each, followed by the scattering tables of both fibres.
     pub texels: Vec<[u32; 2]>,
+    /// Materials of the objects, in the order of the scene.
+    pub objects: Vec<ObjectMaterial>,
     /// First texels of the scattering tables of guard hairs and undercoat.
     pub table_bases: [u32; 2],
     /// Settings of the undercoat.
@@ -122,10 +126,11 @@ fn bare_height(scene: &Scene) -> Option<f32> {
     (!has_undercoat(scene)).then(|| 0.5 * guard_length(scene).max(0.02))
 }
 
-/// Packs the parameters, the settings of the guard hairs, and the texels of all maps. `height` is
+/// Packs the parameters, the settings of the guard hairs, the texels of all maps, and the materials
+/// of the objects. `height` is
 /// [`UndercoatHeight`](crate::parameters::Parameter::UndercoatHeight) of all coats, cm, by default
 /// the height of each coat's undercoat.
-pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 2]>) {
+pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 2]>, Vec<ObjectMaterial>) {
     let scene = &world.scene;
     let mut maps = MapPacker::new(&world.maps, world.skin.corner_uv.is_some());
     let mut coats = vec![coats::own(scene, &mut maps, height)];
@@ -137,6 +142,19 @@ pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 
     let count = coats.len() as u32;
     coats.resize(MAX_COATS, layout::Coat::zeroed());
     let coverage = Coverage::new(scene, &world.skin);
+    let objects = world.objects.iter().map(|object| {
+        let material = &object.material;
+        ObjectMaterial {
+            color: maps.color_on(&material.color, object.surface.corner_uv.is_some()),
+            roughness: material.roughness,
+            metallic: material.metallic,
+            clearcoat: material.clearcoat,
+            clearcoat_roughness: material.clearcoat_roughness,
+            origin: object.origin,
+            shadow_catcher: u32::from(object.shadow_catcher),
+        }
+    });
+    let objects = objects.collect();
     let mut texels = maps.finish();
     let coverage_base = texels.len() as u32;
     texels.extend(coverage.texels());
@@ -153,7 +171,7 @@ pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 
         more_padding: 0,
         coats: std::array::from_fn(|i| coats[i]),
     };
-    (groom, texels)
+    (groom, texels, objects)
 }
 
 /// Packs the groom of `world`.
@@ -161,7 +179,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     let scene = &world.scene;
     let undercoat = &scene.undercoat;
     let bare_height = bare_height(scene);
-    let (groom, mut texels) = pack_parameters(world, bare_height);
+    let (groom, mut texels, objects) = pack_parameters(world, bare_height);
     let multiple = multiple_model(scene);
     let comb = Vec3::from(groom.coats[0].hairs.comb_direction);
     let density = undercoat_density(scene);
@@ -211,6 +229,7 @@ pub fn pack(world: &World) -> Result<PackedGroom> {
     Ok(PackedGroom {
         groom,
         texels,
+        objects,
         table_bases,
         undercoat,
         guard_fibre,

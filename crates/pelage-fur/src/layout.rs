@@ -78,7 +78,7 @@ shared! {
         neighbours: [u32; 3],
         subdivision: u32,
         edges: [u32; 3],
-        padding: u32,
+        object: u32,
     }
     /// `shared/undercoat_types.wgsl`: derived from the scene.
     struct UndercoatParameters {
@@ -192,6 +192,23 @@ shared! {
         direction: [f32; 3],
         undercoat: u32,
         irradiance: [f32; 3],
+        spread: f32,
+    }
+    /// `objects.wgsl`
+    struct ObjectMaterial {
+        color: Parameter,
+        roughness: f32,
+        metallic: f32,
+        clearcoat: f32,
+        clearcoat_roughness: f32,
+        origin: [f32; 3],
+        shadow_catcher: u32,
+    }
+    /// `shared/fur_grid.wgsl`
+    struct FurGrid {
+        low: [f32; 3],
+        cell: f32,
+        size: [u32; 3],
         padding: u32,
     }
     /// `shared/fibre.wgsl`
@@ -232,7 +249,7 @@ shared! {
         seed: u32,
         lambda: [f32; 2],
     }
-    /// `light_occlusion.wgsl`
+    /// `shared/bvh.wgsl`
     struct BvhNode {
         low: [f32; 3],
         first: u32,

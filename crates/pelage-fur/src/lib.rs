@@ -10,6 +10,7 @@ pub mod guard_strands;
 pub mod hair_roots;
 pub mod layer;
 pub mod layout;
+pub mod material;
 pub mod octahedral;
 pub mod parameters;
 pub mod random;

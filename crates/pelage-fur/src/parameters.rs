@@ -1,7 +1,7 @@
 //! Twin of `shaders/shared/groom.wgsl` and `shaders/shared/roots.wgsl`: groom parameters at a point
 //! of the skin.
 
-use crate::layout::{Groom, GuardHairs, Root};
+use crate::layout::{self, Groom, GuardHairs, Root};
 use crate::shell::Shell;
 use glam::{Vec2, Vec3, Vec4};
 use half::f16;
@@ -176,42 +176,39 @@ fn unpack(texel: [u32; 2]) -> Vec4 {
 }
 
 impl Maps<'_> {
-    fn texel(&self, coat: usize, parameter: Parameter, x: i32, y: i32) -> Vec4 {
-        let p = &self.groom.coats[coat].parameters[parameter as usize];
+    fn texel(&self, p: &layout::Parameter, x: i32, y: i32) -> Vec4 {
         let [width, height] = p.size.map(|s| s as i32);
         let at = p.texel_base as usize + (y.rem_euclid(height) * width + x.rem_euclid(width)) as usize;
         unpack(self.texels[at])
     }
 
     /// Repeating bilinear lookup; v = 0 is the bottom row.
-    fn bilinear(&self, coat: usize, parameter: Parameter, uv: Vec2) -> Vec4 {
-        let size = self.groom.coats[coat].parameters[parameter as usize].size;
-        bilinear(size, uv, |x, y| self.texel(coat, parameter, x, y))
+    fn bilinear(&self, p: &layout::Parameter, uv: Vec2) -> Vec4 {
+        bilinear(p.size, uv, |x, y| self.texel(p, x, y))
     }
 
     /// Three planar lookups with a period of 10 cm, weighted by the normal.
     // [Geiss2007]
-    fn triplanar(&self, coat: usize, parameter: Parameter, position: Vec3, normal: Vec3) -> Vec4 {
-        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(coat, parameter, uv))
+    fn triplanar(&self, p: &layout::Parameter, position: Vec3, normal: Vec3) -> Vec4 {
+        triplanar(position / TRIPLANAR_CM, normal, |uv| self.bilinear(p, uv))
     }
 
-    fn lookup(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> Vec4 {
-        match self.groom.coats[coat].parameters[parameter as usize].source {
+    fn lookup(&self, p: &layout::Parameter, at: &SkinPoint, origin: [f32; 3]) -> Vec4 {
+        match p.source {
             1 => at.color,
-            2 => self.bilinear(coat, parameter, at.uv),
-            3 => self.triplanar(coat, parameter, at.position - Vec3::from(self.groom.origin), at.normal),
+            2 => self.bilinear(p, at.uv),
+            3 => self.triplanar(p, at.position - Vec3::from(origin), at.normal),
             _ => Vec4::ONE,
         }
     }
 
     fn coat_scalar(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> f32 {
         let p = &self.groom.coats[coat].parameters[parameter as usize];
-        p.value[0] * self.lookup(coat, parameter, at)[p.channel as usize] + p.offset
+        p.value[0] * self.lookup(p, at, self.groom.origin)[p.channel as usize] + p.offset
     }
 
     fn coat_color(&self, coat: usize, parameter: Parameter, at: &SkinPoint) -> Vec3 {
-        let p = &self.groom.coats[coat].parameters[parameter as usize];
-        Vec4::from(p.value).truncate() * self.lookup(coat, parameter, at).truncate()
+        self.color_of(&self.groom.coats[coat].parameters[parameter as usize], at, self.groom.origin)
     }
 
     /// Coverage of a lane in a row.
@@ -295,5 +292,10 @@ impl Maps<'_> {
             clump * (offset - n * n.dot(offset))
         };
         self.blend(|coat| self.hair_share(coat, at), pull)
+    }
+
+    /// Evaluates a packed colour, linear RGB, on a mesh moved by `origin`.
+    pub fn color_of(&self, p: &layout::Parameter, at: &SkinPoint, origin: [f32; 3]) -> Vec3 {
+        Vec4::from(p.value).truncate() * self.lookup(p, at, origin).truncate()
     }
 }

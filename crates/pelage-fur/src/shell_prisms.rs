@@ -103,7 +103,7 @@ pub fn shell_of(world: &World, packed: &PackedGroom) -> Shell {
                 neighbours: neighbours[t],
                 subdivision,
                 edges: edges[t],
-                padding: 0,
+                object: 0,
             }
         })
         .collect();

@@ -176,7 +176,7 @@ impl Rendering {
 /// Statistics known before the first tile.
 fn first_stats(gpu: &Gpu, scene: &Scene, prepared: &Prepared<'_>) -> Stats {
     Stats {
-        triangles: u64::from(prepared.triangles),
+        triangles: u64::from(prepared.triangles) + u64::from(prepared.object_triangles()),
         strands: prepared.strands,
         subelements: prepared.subelements,
         light_paths_cut: prepared.light_paths_cut,

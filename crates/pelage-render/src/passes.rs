@@ -9,7 +9,7 @@
 //! | 1 roots and shell | [`edge_table`], [`shell_prisms`], [`hair_roots`] |
 //! | 2 volume data and its light | [`undercoat_density`], [`shell_lattice`], [`guard_splat`], [`light_occlusion`], [`undercoat_light`], [`undercoat_source`] |
 //! | 3 strands | [`guard_strands`], [`guard_shade`] |
-//! | 4 base mesh | [`base_raster`] |
+//! | 4 base mesh | [`base_raster`], [`objects`] |
 //! | 5 shell | [`shell_entry`], [`undercoat_march`] |
 //! | 6 strands | [`guard_bins`], [`guard_raster`] |
 //! | 7 blending | [`resolve`], [`film`] |
@@ -24,6 +24,7 @@ pub mod guard_splat;
 pub mod guard_strands;
 pub mod hair_roots;
 pub mod light_occlusion;
+pub mod objects;
 pub mod resolve;
 pub mod shell_entry;
 pub mod shell_lattice;
@@ -194,7 +195,7 @@ pub fn step_of(stem: &str) -> u32 {
         | "undercoat_source" => 2,
         "guard_strands" | "guard_shade" | "shellfin_rows" => 3,
         "shell_entry" | "undercoat_march" | "shellfin_raster" => 4,
-        "base_raster" => 5,
+        "base_raster" | "objects" => 5,
         "guard_bins" | "guard_raster" => 6,
         _ => 7,
     }

@@ -1,15 +1,19 @@
 //! Steps 1 to 3, which do not depend on the tile: shell, volume, light and, if they fit the budget,
 //! strands.
 
+mod fur_grid;
 mod lattice;
 mod light;
+mod objects;
 mod occluders;
 mod strands;
 mod tables;
 
 use crate::passes::{Passes, Variant};
+pub use fur_grid::{FurCells, grid_bytes};
 use lattice::Lattice;
 pub use lattice::lattice_bytes;
+pub use objects::geometry as object_geometry;
 use pelage_core::scene::{LightLookup, MultipleModel, Storage};
 use pelage_core::skin::NONE;
 use pelage_core::{Error, Result, Skin, World};
@@ -51,6 +55,7 @@ pub struct Prepared<'g> {
     pub strand_budget: u64,
     /// What the passes are compiled for.
     pub variant: Variant,
+    objects: Option<objects::PreparedObjects>,
     buffers: Buffers,
     /// `undercoat_fibre` for kernels that read its table in `maps_and_tables`; all others read it
     /// in `node_light`.
@@ -113,9 +118,8 @@ fn variant_of(world: &World, packed: &PackedGroom, stored: bool, features: bool)
 }
 
 /// Uploads groom, maps, lights and skin, and allocates the shell.
-fn upload(gpu: &Gpu, skin: &Skin, packed: &PackedGroom, frame: &Frame) -> Result<Buffers> {
-    let vertices = skin.positions.len() as u64;
-    let triangles = skin.triangles.len() as u64;
+fn upload(gpu: &Gpu, world: &World, packed: &PackedGroom, frame: &Frame) -> Result<Buffers> {
+    let [shell_vertices, prisms] = objects::triangle_buffers(gpu, world)?;
     Ok(vec![
         gpu.uniform("frame", frame)?,
         gpu.uniform("groom", &packed.groom)?,
@@ -123,9 +127,9 @@ fn upload(gpu: &Gpu, skin: &Skin, packed: &PackedGroom, frame: &Frame) -> Result
         light::upload_lights(gpu, &packed.lights)?,
         gpu.uniform("guard_fibre", &packed.guard_fibre.packed(packed.table_bases[0]))?,
         gpu.upload("maps_and_tables", 1, &packed.texels)?,
-        gpu.upload("corner_uv", 1, &corner_uv(skin))?,
-        gpu.storage("shell_vertices", 1, vertices * 32)?,
-        gpu.storage("prisms", 1, triangles * 48)?,
+        gpu.upload("corner_uv", 1, &corner_uv(&world.skin))?,
+        shell_vertices,
+        prisms,
     ]
     .into())
 }
@@ -155,7 +159,7 @@ impl<'g> Prepared<'g> {
             matches!(groom::multiple_model(&world.scene), MultipleModel::Dual | MultipleModel::Transport)
                 .then(|| Table::of_world(world, &packed));
         let skin = &world.skin;
-        let mut buffers = upload(gpu, skin, &packed, frame)?;
+        let mut buffers = upload(gpu, world, &packed, frame)?;
         let volume = Volume::plan(gpu, world)?;
         let variant = variant_of(world, &packed, volume.stored, features);
         let tables = Tables::new(gpu, scattered.as_ref())?;
@@ -201,6 +205,7 @@ impl<'g> Prepared<'g> {
             batches: Vec::new(),
             strand_budget: world.scene.render.memory * 3 / 10,
             variant,
+            objects: None,
             buffers,
             rows_fibre: gpu
                 .uniform("undercoat_fibre", &packed.undercoat_fibre.packed(packed.table_bases[1]))?,
@@ -209,6 +214,7 @@ impl<'g> Prepared<'g> {
         prepared.shell(skin, &volume, &edge_numbers, timings)?;
         prepared.volume(world, &volume, timings)?;
         prepared.light(world, &fibre_table, timings)?;
+        prepared.prepare_objects(world, &packed)?;
         Ok(prepared)
     }
 

@@ -200,7 +200,7 @@ impl<'g> Probe<'g> {
     /// [`Error::Gpu`].
     pub fn draw_base(&self) -> Result<()> {
         let p = &self.of.prepared;
-        self.run(|recorder, scope| p.passes.base_raster.record(recorder, scope, &self.targets(), p.triangles))
+        self.run(|recorder, scope| p.record_base(recorder, scope, &self.targets()))
     }
 
     /// Step 5: adds the entries into the shell to the lists.
@@ -317,7 +317,13 @@ impl<'g> Probe<'g> {
     pub fn bases(&self) -> Result<Vec<Option<Base>>> {
         let seen = self.base_records()?.into_iter().map(base_raster::unpack);
         Ok(seen
-            .map(|b| (b.z < base_raster::NO_BASE).then_some(Base { z: b.z, radiance: b.radiance }))
+            .map(|b| {
+                (b.z < base_raster::NO_BASE).then_some(Base {
+                    z: b.z,
+                    radiance: b.radiance,
+                    transparency: b.transparency,
+                })
+            })
             .collect())
     }
 

@@ -176,7 +176,7 @@ impl<'a> Tiles<'a> {
             let mut recorder = Recorder::new(gpu);
             recorder.clear(lists, (1 + samples) * 4);
             recorder.clear(counters, COUNTER_BYTES);
-            passes.base_raster.record(&mut recorder, &scope, &targets, self.prepared.triangles)?;
+            self.prepared.record_base(&mut recorder, &scope, &targets)?;
             if groom::has_undercoat(scene) {
                 passes.shell_entry.record(
                     &mut recorder,

@@ -7,6 +7,7 @@ pub use super::animation::*;
 pub use super::fibre::*;
 pub use super::groom::*;
 pub use super::mesh::*;
+pub use super::objects::*;
 pub use super::output::*;
 pub use super::part::*;
 pub use super::shellfin::*;
@@ -29,6 +30,9 @@ pub struct Scene {
     pub preset: Option<String>,
     /// The skin.
     pub mesh: MeshSpec,
+    /// Meshes without fur. They cover fur and skin, cast shadows on them, and receive theirs.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub objects: Vec<ObjectSpec>,
     /// The camera.
     pub camera: Camera,
     /// Directional lights; with those of the environment at most 64.

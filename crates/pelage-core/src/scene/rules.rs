@@ -42,6 +42,38 @@ pub(super) fn broken(
             ));
         }
     }
+    faults.extend(object_faults(scene, tree, sources));
+    faults
+}
+
+/// Faults of objects: each has a name of its own and exactly one mesh.
+fn object_faults(scene: &Scene, tree: &Node, sources: &Sources) -> Vec<SceneFault> {
+    let mut faults = Vec::new();
+    for (i, object) in scene.objects.iter().enumerate() {
+        let mut fault = |key: &str, message: &str, help: &str| {
+            let path = format!("objects.{i}{key}");
+            let message = format!("{path}: {message}");
+            faults.push(sources.fault(tree.origin_of(&path), message, Some(help.to_owned())));
+        };
+        if object.name.is_empty() {
+            fault("", "the key \"name\" is missing or empty", "give each object a name: name = \"left eye\"");
+        } else if scene.objects[..i].iter().any(|other| other.name == object.name) {
+            let message = format!("an earlier object is called \"{}\" too", object.name);
+            fault(".name", &message, "give each object a name of its own");
+        }
+        match (object.mesh.path.as_deref(), object.mesh.shape) {
+            (None, None) => fault(
+                "",
+                "the object has no mesh: neither mesh.path nor mesh.shape is given",
+                "name a file (mesh = { path = \"...\" }) or a built-in shape (mesh = { shape = \"sphere\", size = 1 })",
+            ),
+            (Some(_), Some(_)) => {
+                fault(".mesh", "both mesh.path and mesh.shape are given", "keep one of them");
+            }
+            (Some(""), None) => fault(".mesh.path", "found an empty name", "name a mesh file"),
+            _ => {}
+        }
+    }
     faults
 }
 
@@ -174,7 +206,7 @@ pub(super) fn missing_files(tree: &Node, sources: &Sources, assets: &Assets) -> 
     super::parts::once(faults).into_iter().map(|(_, fault)| fault).collect()
 }
 
-/// All strings that name a file: the mesh, the plate, and every key called `map`.
+/// All strings that name a file: the meshes, the plate, and every key called `map`.
 fn collect_files<'a>(path: &str, node: &'a Node, found: &mut Vec<(String, &'a Node, &'a str)>) {
     match &node.value {
         Value::Table(table) => {
@@ -188,7 +220,8 @@ fn collect_files<'a>(path: &str, node: &'a Node, found: &mut Vec<(String, &'a No
         }
         Value::String(name) => {
             let is_map = path.ends_with(".map") && name != "vertex_color";
-            if !name.is_empty() && (is_map || path == "mesh.path" || path == "film.plate") {
+            let is_mesh = path == "mesh.path" || path.starts_with("objects.") && path.ends_with(".mesh.path");
+            if !name.is_empty() && (is_map || is_mesh || path == "film.plate") {
                 found.push((path.to_owned(), node, name));
             }
         }

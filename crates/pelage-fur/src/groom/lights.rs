@@ -1,6 +1,7 @@
 //! The lights, as the passes read them.
 
 use crate::layout::{Light, LightParameters, MAX_LIGHTS};
+use crate::material::environment_spread;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use pelage_core::World;
@@ -9,6 +10,7 @@ use pelage_core::World;
 /// luminance.
 // [BT709]
 pub(super) fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
+    let spread = environment_spread(world);
     let mut lights: Vec<Light> = world
         .lights
         .iter()
@@ -17,7 +19,7 @@ pub(super) fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
             direction: l.direction.into(),
             undercoat: u32::from(l.undercoat),
             irradiance: l.irradiance.into(),
-            padding: 0,
+            spread: if l.environment { spread } else { 0.0 },
         })
         .collect();
     let mut order: Vec<usize> = (0..lights.len()).filter(|i| lights[*i].undercoat == 1).collect();

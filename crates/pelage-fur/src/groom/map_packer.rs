@@ -73,6 +73,14 @@ impl<'a> MapPacker<'a> {
         }
     }
 
+    /// Packs a colour that is looked up on a surface other than the skin, with or without uv.
+    pub fn color_on(&mut self, color: &Color, uv: bool) -> Parameter {
+        let of_skin = std::mem::replace(&mut self.uv, uv);
+        let packed = self.color(color);
+        self.uv = of_skin;
+        packed
+    }
+
     /// The texels of all maps, at least one.
     pub fn finish(mut self) -> Vec<[u32; 2]> {
         if self.texels.is_empty() {

@@ -1,7 +1,7 @@
 //! Step 2: the optical depths towards the lights, and the light that march and strands look up.
 
 use super::Prepared;
-use super::occluders::bvh;
+use super::objects::hierarchy;
 use pelage_core::scene::FurLayers;
 use pelage_core::{Result, World};
 use pelage_fur::groom;
@@ -31,8 +31,12 @@ impl Prepared<'_> {
         self.passes.guard_splat.record_normalise(&mut recorder, &scope, nodes)?;
         recorder.submit(timings)?;
         drop(deposits);
-        let swept = self.sweep(world, &extinction, fibre_table, timings)?;
+        let (tree, swept) = self.sweep(world, &extinction, fibre_table, timings)?;
         self.buffers.extend(swept);
+        if !world.objects.is_empty() {
+            // Objects are lit through it in every tile.
+            self.buffers.extend(tree);
+        }
         self.buffers.push(extinction);
         if world.scene.render.fur == FurLayers::Shells {
             // The hairs are in the textures; here they only attenuate light.
@@ -71,19 +75,18 @@ impl Prepared<'_> {
         Ok(())
     }
 
-    /// Computes `tau`, `node_light` and `base_light`.
+    /// Computes `tau`, `node_light` and `base_light`, and the hierarchy of what blocks light.
     fn sweep(
         &mut self,
         world: &World,
         extinction: &Buffer,
         fibre_table: &[[u32; 2]],
         timings: &mut Timings,
-    ) -> Result<[Buffer; 3]> {
+    ) -> Result<([Buffer; 2], [Buffer; 3])> {
         let gpu = self.gpu;
         let nodes = self.nodes();
         let columns = self.fur.lattice.columns;
-        let (bvh_nodes, bvh_triangles) = bvh(&world.skin);
-        let tree = [gpu.upload("bvh_nodes", 2, &bvh_nodes)?, gpu.upload("bvh_triangles", 2, &bvh_triangles)?];
+        let tree = hierarchy(gpu, world)?;
         let tau = gpu.storage("tau", 2, nodes * u64::from(self.fur.lattice.tau_stride) * 4)?;
         let source = gpu.storage("node_light", 2, nodes * 16 + fibre_table.len() as u64 * 8)?;
         if !fibre_table.is_empty() {
@@ -109,7 +112,7 @@ impl Prepared<'_> {
         self.passes.undercoat_source.record(&mut recorder, &scope, nodes)?;
         recorder.submit(timings)?;
         self.light_paths_cut = u64::from(gpu.read::<u32>(&counters, 4)?.first().copied().unwrap_or(0));
-        Ok([tau, source, base_light])
+        Ok((tree, [tau, source, base_light]))
     }
 }
 

@@ -1,19 +1,18 @@
-//! The skin as an occluder of light outside the shell.
+//! Skin and objects as occluders of light outside the shell.
 
 use glam::Vec3;
-use pelage_core::Skin;
 use pelage_fur::layout::BvhNode;
 
-/// Entries of the stack of `light_occlusion`. A traversal holds at most one node more than the tree
+/// Entries of the stack of `shared/bvh`. A traversal holds at most one node more than the tree
 /// has levels below its root.
 const STACK: u32 = 48;
 
-/// A binary BVH over the skin's triangles: nodes as `light_occlusion` reads them, and triangle
-/// numbers in the order of the leaves. It is built by obvhs; where that is too deep for the stack,
+/// A binary BVH over triangles: nodes as `shared/bvh` reads them, and the triangles' indices in the
+/// order of the leaves. It is built by obvhs; where that is too deep for the stack,
 /// as over many triangles in one place, by halves, with at most 32 levels.
-pub(super) fn bvh(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
-    let (nodes, order) = built(skin);
-    if levels(&nodes) < STACK { (nodes, order) } else { halved(skin) }
+pub(super) fn bvh(corners: &[[Vec3; 3]]) -> (Vec<BvhNode>, Vec<u32>) {
+    let (nodes, order) = built(corners);
+    if levels(&nodes) < STACK { (nodes, order) } else { halved(corners) }
 }
 
 /// Levels of a tree below its root.
@@ -32,14 +31,14 @@ fn levels(nodes: &[BvhNode]) -> u32 {
 
 /// A tree of which every node has half of its parent's triangles, those that come first along the
 /// longest side of its box. Leaves hold one triangle.
-fn halved(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
-    let middle = |t: u32| skin.corners(t as usize).iter().sum::<Vec3>();
-    let mut order: Vec<u32> = (0..skin.triangles.len() as u32).collect();
+fn halved(corners: &[[Vec3; 3]]) -> (Vec<BvhNode>, Vec<u32>) {
+    let middle = |t: u32| corners[t as usize].iter().sum::<Vec3>();
+    let mut order: Vec<u32> = (0..corners.len() as u32).collect();
     let mut nodes = vec![<BvhNode as bytemuck::Zeroable>::zeroed()];
     let mut rest = vec![(0, 0..order.len())];
     while let Some((node, range)) = rest.pop() {
         let (mut low, mut high) = (Vec3::INFINITY, Vec3::NEG_INFINITY);
-        for corner in order[range.clone()].iter().flat_map(|t| skin.corners(*t as usize)) {
+        for corner in order[range.clone()].iter().flat_map(|t| corners[*t as usize]) {
             (low, high) = (low.min(corner), high.max(corner));
         }
         let (mut first, mut count) = (range.start as u32, range.len() as u32);
@@ -58,11 +57,12 @@ fn halved(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
 }
 
 /// The tree of obvhs.
-fn built(skin: &Skin) -> (Vec<BvhNode>, Vec<u32>) {
+fn built(corners: &[[Vec3; 3]]) -> (Vec<BvhNode>, Vec<u32>) {
     use obvhs::{BvhBuildParams, bvh2::builder::build_bvh2_from_tris, triangle::Triangle};
-    let triangles: Vec<Triangle> = (0..skin.triangles.len())
-        .map(|t| {
-            let [v0, v1, v2] = skin.corners(t).map(glam::Vec3A::from);
+    let triangles: Vec<Triangle> = corners
+        .iter()
+        .map(|corners| {
+            let [v0, v1, v2] = corners.map(glam::Vec3A::from);
             Triangle { v0, v1, v2 }
         })
         .collect();
@@ -96,18 +96,16 @@ mod tests {
     use super::*;
 
     /// Triangles in a row, each smaller and nearer than the one before it by the same factor.
-    fn shrinking(count: i32) -> Skin {
-        let corners = |i: i32| {
+    fn shrinking(count: i32) -> Vec<[Vec3; 3]> {
+        let of = |i: i32| {
             let s = 0.7f32.powi(i);
             [Vec3::new(s, 0.0, 0.0), Vec3::new(1.1 * s, 0.0, 0.0), Vec3::new(s, 0.1 * s, 0.0)]
         };
-        let positions = (0..count).flat_map(corners).collect();
-        let triangles = (0..count as u32).map(|t| [3 * t, 3 * t + 1, 3 * t + 2]).collect();
-        Skin { positions, triangles, ..Skin::default() }
+        (0..count).map(of).collect()
     }
 
     /// Triangles of the leaves, each of which must lie in the boxes of all nodes above it.
-    fn leaves(skin: &Skin, nodes: &[BvhNode], order: &[u32]) -> Vec<u32> {
+    fn leaves(corners: &[[Vec3; 3]], nodes: &[BvhNode], order: &[u32]) -> Vec<u32> {
         let mut found = Vec::new();
         let mut stack = vec![(0, Vec3::NEG_INFINITY, Vec3::INFINITY)];
         while let Some((node, low, high)) = stack.pop() {
@@ -118,7 +116,7 @@ mod tests {
                 continue;
             }
             for t in &order[of.first as usize..][..of.count as usize] {
-                for corner in skin.corners(*t as usize) {
+                for corner in corners[*t as usize] {
                     assert!(corner.cmpge(low - 1e-6).all() && corner.cmple(high + 1e-6).all(), "{t}");
                 }
                 found.push(*t);
@@ -130,12 +128,12 @@ mod tests {
 
     #[test]
     fn no_tree_is_deeper_than_the_stack_of_the_shader() {
-        let shader = include_str!("../../../../shaders/light_occlusion.wgsl");
+        let shader = include_str!("../../../../shaders/shared/bvh.wgsl");
         assert!(shader.contains(&format!("array<u32, {STACK}>")));
-        let skin = shrinking(120);
-        assert!(levels(&built(&skin).0) >= STACK, "the case is not hard: {}", levels(&built(&skin).0));
-        let (nodes, order) = bvh(&skin);
+        let corners = shrinking(120);
+        assert!(levels(&built(&corners).0) >= STACK, "the case is not hard: {}", levels(&built(&corners).0));
+        let (nodes, order) = bvh(&corners);
         assert!(levels(&nodes) <= 7, "{}", levels(&nodes));
-        assert_eq!(leaves(&skin, &nodes, &order), (0..120).collect::<Vec<_>>());
+        assert_eq!(leaves(&corners, &nodes, &order), (0..120).collect::<Vec<_>>());
     }
 }

@@ -124,6 +124,8 @@ pub struct Base {
     pub radiance: Vec3,
     /// Smoothed unit normal.
     pub normal: Vec3,
+    /// Share of the background that shows through; 0 except on shadow catchers.
+    pub transparency: f32,
 }
 
 /// Shades sample `xy`, at which `triangle` is nearest. `base_light`: radiance of the skin at each
@@ -154,10 +156,15 @@ pub fn shade(
     // The inner side of an open skin is dimmed.
     let radiance = if ray.dot(n) < 0.0 { lit } else { 0.15 * lit };
     let [na, nb, nc] = place.vertices.map(|v| Vec3::from(shell.vertices[v as usize].normal));
-    Base { z, radiance, normal: (lambda.x * na + lambda.y * nb + lambda.z * nc).normalize() }
+    Base {
+        z,
+        radiance,
+        normal: (lambda.x * na + lambda.y * nb + lambda.z * nc).normalize(),
+        transparency: 0.0,
+    }
 }
 
-/// Unpacks a base record: depth, radiance as three halves, octahedral normal.
+/// Unpacks a base record: depth, radiance and transparency as halves, octahedral normal.
 pub fn unpack(record: [u32; 4]) -> Base {
     let half = |word: u32| f16::from_bits(word as u16).to_f32();
     let snorm = |word: u32| (f32::from(word as u16 as i16) / 32767.0).max(-1.0);
@@ -165,5 +172,6 @@ pub fn unpack(record: [u32; 4]) -> Base {
         z: f32::from_bits(record[0]),
         radiance: Vec3::new(half(record[1]), half(record[1] >> 16), half(record[2])),
         normal: octahedral::decode(Vec2::new(snorm(record[3]), snorm(record[3] >> 16))),
+        transparency: half(record[2] >> 16),
     }
 }

@@ -60,6 +60,8 @@ pub struct Base {
     pub z: f32,
     /// Radiance.
     pub radiance: Vec3,
+    /// Share of the background that shows through.
+    pub transparency: f32,
 }
 
 /// Sums of a sample, front to back. Radiances are premultiplied.
@@ -100,8 +102,8 @@ impl Gathered {
     fn finish(mut self, base: Option<Base>) -> Self {
         if let Some(base) = base {
             self.base = self.through * base.radiance;
-            self.z_sum += self.through * base.z;
-            self.through = 0.0;
+            self.z_sum += self.through * (1.0 - base.transparency) * base.z;
+            self.through *= base.transparency;
         }
         self
     }

@@ -39,7 +39,7 @@ impl<'a> SkinSamples<'a> {
                 places.push((at, area / f64::from(n)));
             }
         }
-        let (groom, texels) = pack_parameters(world, None);
+        let (groom, texels, _) = pack_parameters(world, None);
         Self { world, groom, texels, places }
     }
 
