@@ -107,6 +107,44 @@ fn coats_go_over_into_each_other_beside_the_part() {
 }
 
 #[test]
+fn balls_choose_by_distance() {
+    let world = |part: &str| {
+        let text = format!("[guard]\nlength = 1\n[[parts]]\nguard = {{ length = 3 }}\n{part}\n");
+        world_on(&text, Some(halves(32, 0.0)), Vec::new())
+    };
+    let share = |world: &World, x: f32, z: f32| {
+        let packed = groom::pack(world).expect("a groom");
+        Maps { groom: &packed.groom, texels: &packed.texels }.part_share(1, &above(&world.skin, x, z))
+    };
+    // Two balls, one of them above the skin, which it cuts in a circle of 8 cm.
+    let two = world(
+        "balls = [{ center = [8, 0, 8], radius = 5 }, { center = [20, 6, 20], radius = 10 }]\nedge = 4",
+    );
+    let (mut worst, mut between) = (0.0f32, 0);
+    for (i, j) in (0..15).flat_map(|i| (0..15).map(move |j| (i, j))) {
+        let (x, z) = (1.3 + 2.0 * i as f32, 1.7 + 2.0 * j as f32);
+        let depth = (5.0 - Vec3::new(x - 8.0, 0.0, z - 8.0).length())
+            .max(10.0 - Vec3::new(x - 20.0, -6.0, z - 20.0).length());
+        let wanted = (1.0 + depth / 4.0).clamp(0.0, 1.0);
+        worst = worst.max((share(&two, x, z) - wanted).abs());
+        between += usize::from(wanted > 0.0 && wanted < 1.0);
+    }
+    println!("largest error of a share: {worst:.4}, {between} places on the edge");
+    assert!(worst < 0.08 && between > 20, "triangles are 1 cm wide; the error is largest between the balls");
+    // A hard border: whole triangles by their middles.
+    let hard = world("balls = [{ center = [8, 0, 8], radius = 5 }]\nedge = 0");
+    let shares = [4.5, 12.5, 14.5].map(|x| share(&hard, x, 8.2));
+    assert_eq!(shares, [1.0, 1.0, 0.0]);
+    // Together with a group: only what is in both.
+    let both = world("balls = [{ center = [16, 0, 16], radius = 6 }]\ngroup = \"right\"\nedge = 0.1");
+    assert_eq!([13.0, 19.0, 25.0].map(|x| share(&both, x, 16.2)), [0.0, 1.0, 0.0]);
+    // A ball that misses the skin is a fault that says where the skin is.
+    let missed = world("balls = [{ center = [8, 50, 8], radius = 5 }]");
+    let message = pelage_core::parts::check(&missed.scene, &missed.skin).expect_err("a fault").to_string();
+    assert!(message.contains("parts.0.balls") && message.contains("to [32, 0, 32] cm"), "{message}");
+}
+
+#[test]
 fn distances_follow_the_skin() {
     // On a displaced grid the distance to a straight border is the same, but for the bumps.
     let text = "[[parts]]\ngroup = \"right\"\nedge = 3\nguard = { length = 3 }\n";
@@ -394,7 +432,10 @@ fn faults_of_parts_name_key_and_line() {
         other => panic!("expected a fault of {text}, got {other:?}"),
     };
     for (text, parts) in [
-        ("[[parts]]\nname = \"a\"\n", ["test.toml:3", "parts.0: found none of group, material and mask"]),
+        (
+            "[[parts]]\nname = \"a\"\n",
+            ["test.toml:3", "parts.0: found none of group, material, balls and mask"],
+        ),
         (
             "[[parts]]\ngroup = \"a\"\npreset = \"red_fix\"\n",
             ["test.toml:5:10: parts.0.preset", "\"red_fox\"?"],

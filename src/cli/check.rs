@@ -73,7 +73,7 @@ const OBJECT_TRIANGLE: u64 = 3 * 32 + 48 + 68;
 const SUBELEMENT: u64 = 4;
 /// The least that any adapter allows for a binding.
 const BINDING: u64 = 128 << 20;
-// Of up to four parts that choose groups or materials, at a corner or a vertex.
+// Of up to four parts that choose a region of the mesh, at a corner or a vertex.
 const COVERAGE: u64 = 8;
 
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
@@ -125,7 +125,7 @@ fn counts(world: &World) -> Counts {
 
 fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
     let segments = world.scene.coats().map(|coat| coat.guard.segments).max().unwrap_or(1);
-    let lanes = world.scene.parts.iter().filter(|part| part.has_sections()).count() as u64;
+    let lanes = world.scene.parts.iter().filter(|part| part.has_region()).count() as u64;
     let media = counts.subelements * SUBELEMENT;
     let stored = stores_undercoat(world, media, BINDING);
     Ok(Bytes {

@@ -1,8 +1,9 @@
 //! Parts of the skin: which triangles they choose, and what they share with the scene's own coat.
 
-use crate::scene::{FurLayers, MAX_PARTS, Names, Part, Place};
+use crate::scene::{Ball, FurLayers, MAX_PARTS, Names, Part, Place};
 use crate::skin::Section;
 use crate::{Error, Result, Scene, SceneFault, Skin};
+use glam::Vec3;
 
 /// For each triangle whether it belongs to the groups and materials that `part` names; all do if it
 /// names none.
@@ -38,7 +39,7 @@ pub fn check(scene: &Scene, skin: &Skin) -> Result<()> {
     }
     for (i, part) in scene.parts.iter().enumerate() {
         let before = faults.len();
-        let [group, material] = &part.places;
+        let [group, material, balls] = &part.places;
         let mut unknown =
             |key: &str, plural: &str, names: &Names, place: &Place, of: fn(&Section) -> &str| {
                 let known = names_of(skin, of);
@@ -58,8 +59,39 @@ pub fn check(scene: &Scene, skin: &Skin) -> Result<()> {
             let message = format!("parts.{i}: no triangle has both a group and a material of this part");
             faults.push(fault(group, message, "make a part of each".into()));
         }
+        if !part.balls.is_empty() && !touches(skin, part) {
+            let message = format!("parts.{i}.balls: no vertex of the skin is in them or within their edge");
+            let mut help = "make them larger, or the triangles smaller by mesh.subdivide".to_owned();
+            if let Some([low, high]) = bounds(skin) {
+                help = format!("the skin reaches from {low} to {high} cm; {help}");
+            }
+            faults.push(fault(balls, message, help));
+        }
     }
     if faults.is_empty() { Ok(()) } else { Err(Error::Scene(faults)) }
+}
+
+/// How far a point is inside the balls of a part, cm, negative outside; infinite if it has none.
+pub fn depth_in_balls(part: &Part, p: Vec3) -> f32 {
+    let depth = |ball: &Ball| ball.radius - p.distance(Vec3::from(ball.center));
+    part.balls.iter().map(depth).reduce(f32::max).unwrap_or(f32::INFINITY)
+}
+
+/// Whether the balls of a part or their edge hold a vertex of the skin; with a hard border the
+/// middle of a triangle.
+fn touches(skin: &Skin, part: &Part) -> bool {
+    let edge = part.edge_cm();
+    if edge > 0.0 {
+        return skin.positions.iter().any(|p| depth_in_balls(part, *p) > -edge);
+    }
+    let middle = |t: usize| skin.corners(t).iter().sum::<Vec3>() / 3.0;
+    (0..skin.triangles.len()).any(|t| depth_in_balls(part, middle(t)) >= 0.0)
+}
+
+/// The box around the skin.
+fn bounds(skin: &Skin) -> Option<[Vec3; 2]> {
+    let low = skin.positions.iter().copied().reduce(Vec3::min)?;
+    Some([low, skin.positions.iter().copied().reduce(Vec3::max)?])
 }
 
 fn fault(place: &Place, message: String, help: String) -> SceneFault {

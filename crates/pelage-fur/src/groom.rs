@@ -136,7 +136,7 @@ pub fn pack_parameters(world: &World, height: Option<f32>) -> (Groom, Vec<[u32; 
     let mut coats = vec![coats::own(scene, &mut maps, height)];
     let mut lanes = 0..;
     for part in scene.parts.iter().take(MAX_COATS - 1) {
-        let lane = if part.has_sections() { lanes.next() } else { None };
+        let lane = if part.has_region() { lanes.next() } else { None };
         coats.push(coats::of_part(scene, part, &mut maps, height, lane.unwrap_or(NO_LANE)));
     }
     let count = coats.len() as u32;

@@ -9,8 +9,8 @@ use std::path::PathBuf;
 pub const MAX_PARTS: usize = 15;
 
 /// A region of the skin with a coat of its own, or none. It is the intersection of what `group`,
-/// `material` and `mask` choose, of which at least one must be given. Later parts lie over earlier
-/// ones.
+/// `material`, `balls` and `mask` choose, of which at least one must be given. Later parts lie over
+/// earlier ones.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Part {
@@ -22,10 +22,14 @@ pub struct Part {
     /// Triangles of these materials of the mesh.
     #[serde(skip_serializing_if = "Names::is_empty")]
     pub material: Names,
+    /// The skin inside of any of these balls: for a mesh without groups.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub balls: Vec<Ball>,
     /// Share of the part at each point, cut to 0..1: an image or the vertex colours.
     pub mask: Option<ScalarMap>,
-    /// Width of the transition around the chosen groups and materials, cm along the skin, by
-    /// default 1; 0: a hard border. A mask has its own transition.
+    /// Width of the transition around what groups, materials and balls choose, cm, by default 1; 0:
+    /// a hard border along the edges of triangles. It is measured along the skin from groups and
+    /// materials, straight from balls. A mask has its own transition.
     #[schemars(range(min = 0.0, max = 1000.0))]
     pub edge: Option<f32>,
     /// `false`: bare skin without hairs.
@@ -39,9 +43,20 @@ pub struct Part {
     /// Material of the skin; as `guard`. Where it is not given for bare skin, it is that of what
     /// lies below.
     pub base: Option<BaseMaterial>,
-    /// Where `group` and `material` are given.
+    /// Where `group`, `material` and `balls` are given.
     #[serde(skip)]
-    pub places: [Place; 2],
+    pub places: [Place; 3],
+}
+
+/// A ball in the scene's coordinates, those of the camera.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize, JsonSchema)]
+#[serde(deny_unknown_fields)]
+pub struct Ball {
+    /// Centre, cm.
+    pub center: [f32; 3],
+    /// Radius, cm.
+    #[schemars(range(min = 0.0, max = 1e6))]
+    pub radius: f32,
 }
 
 /// One name or several.
@@ -98,6 +113,7 @@ impl Default for Part {
             name: String::new(),
             group: Names::default(),
             material: Names::default(),
+            balls: Vec::new(),
             mask: None,
             edge: None,
             fur: true,
@@ -111,7 +127,7 @@ impl Default for Part {
 }
 
 impl Part {
-    /// Width of the transition around the chosen groups and materials, cm.
+    /// Width of the transition around the chosen groups, materials and balls, cm.
     pub fn edge_cm(&self) -> f32 {
         self.edge.unwrap_or(1.0)
     }
@@ -119,6 +135,11 @@ impl Part {
     /// Whether groups or materials of the mesh are chosen.
     pub fn has_sections(&self) -> bool {
         !(self.group.is_empty() && self.material.is_empty())
+    }
+
+    /// Whether a region of the mesh is chosen, by groups, materials or balls.
+    pub fn has_region(&self) -> bool {
+        self.has_sections() || !self.balls.is_empty()
     }
 }
 

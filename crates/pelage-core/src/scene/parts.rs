@@ -66,7 +66,7 @@ pub(super) fn once(mut found: Vec<(String, SceneFault)>) -> Vec<(String, SceneFa
 /// Records where parts choose groups and materials, for the faults that only the mesh shows.
 pub(super) fn locate(scene: &mut Scene, tree: &Node, sources: &Sources) {
     for (i, part) in scene.parts.iter_mut().enumerate() {
-        part.places = ["group", "material"].map(|key| {
+        part.places = ["group", "material", "balls"].map(|key| {
             let fault = sources.fault(tree.origin_of(&format!("parts.{i}.{key}")), "", None);
             Place { file: fault.file, line: fault.line, column: fault.column }
         });
@@ -86,15 +86,15 @@ pub(super) fn broken(scene: &Scene, tree: &Node, sources: &Sources) -> Vec<Scene
             }
         };
         rule(
-            part.has_sections() || part.mask.is_some(),
+            part.has_region() || part.mask.is_some(),
             "",
-            "found none of group, material and mask",
-            "name groups or materials of the mesh, or give a mask",
+            "found none of group, material, balls and mask",
+            "name groups or materials of the mesh, or give balls or a mask",
         );
         rule(
-            part.edge.is_none() || part.has_sections(),
+            part.edge.is_none() || part.has_region(),
             "edge",
-            "found without group or material",
+            "found without group, material or balls",
             "a mask has its own transition: blur the image",
         );
         if let Some(mask) = &part.mask {

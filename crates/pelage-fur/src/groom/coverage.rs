@@ -1,8 +1,9 @@
-//! Coverage rows: how far each part that chooses groups or materials reaches, at the corners of the
-//! triangles and at the vertices.
+//! Coverage rows: how far each part that chooses groups, materials or balls reaches, at the corners
+//! of the triangles and at the vertices.
 
+use glam::Vec3;
 use half::f16;
-use pelage_core::scene::Scene;
+use pelage_core::scene::{Part, Scene};
 use pelage_core::{Skin, parts};
 use std::cmp::Reverse;
 use std::collections::BinaryHeap;
@@ -10,7 +11,7 @@ use std::collections::BinaryHeap;
 /// Coverage where a part is far away; halves go down to −65,504.
 const FAR: f32 = -60_000.0;
 
-/// Coverage of the parts with sections.
+/// Coverage of the parts that choose a region of the mesh.
 pub(super) struct Coverage {
     /// Number of halves of a row that are used.
     pub lanes: u32,
@@ -21,11 +22,11 @@ pub(super) struct Coverage {
 }
 
 impl Coverage {
-    /// The coverage of all parts of `scene` that choose sections, in their order.
+    /// The coverage of all parts of `scene` that choose a region, in their order.
     pub fn new(scene: &Scene, skin: &Skin) -> Self {
         let (mut corners, mut vertices) = (Vec::new(), Vec::new());
-        for part in scene.parts.iter().filter(|part| part.has_sections()) {
-            let (of_corners, of_vertices) = coverage(skin, &parts::chosen(skin, part), part.edge_cm());
+        for part in scene.parts.iter().filter(|part| part.has_region()) {
+            let (of_corners, of_vertices) = coverage(skin, part);
             corners.push(of_corners);
             vertices.push(of_vertices);
         }
@@ -57,14 +58,21 @@ impl Coverage {
     }
 }
 
-/// Coverage by triangle corner and by vertex: 1 on the chosen triangles; outside of them it falls
-/// by 1 per `edge` cm along the skin, below 0 too, so that it can be interpolated before it is cut.
-/// If `edge` is 0, each triangle has its own; a vertex then belongs to the part only if all
-/// triangles around it do, so that a bare part does not lower the fur beside it.
-pub(super) fn coverage(skin: &Skin, chosen: &[bool], edge: f32) -> (Vec<f32>, Vec<f32>) {
+/// Coverage by triangle corner and by vertex: 1 on the chosen triangles and on the sphere of a ball;
+/// outside of them it falls by 1 per `edge` cm, below 0 too, and in a ball it rises, so that it can
+/// be interpolated before it is cut.
+/// If `edge` is 0, each triangle has its own, a ball those whose middle it holds; a vertex then
+/// belongs to the part only if all triangles around it do, so that a bare part does not lower the
+/// fur beside it.
+fn coverage(skin: &Skin, part: &Part) -> (Vec<f32>, Vec<f32>) {
+    let (chosen, edge) = (parts::chosen(skin, part), part.edge_cm());
     let mut vertices = vec![1.0; skin.positions.len()];
     if edge <= 0.0 {
-        let of_triangle = |t: usize| if chosen[t] { 1.0 } else { FAR };
+        let in_ball = |t: usize| {
+            let middle = skin.corners(t).iter().sum::<Vec3>() / 3.0;
+            parts::depth_in_balls(part, middle) >= 0.0
+        };
+        let of_triangle = |t: usize| if chosen[t] && in_ball(t) { 1.0 } else { FAR };
         for (t, triangle) in skin.triangles.iter().enumerate() {
             triangle.iter().for_each(|v| {
                 let vertex = &mut vertices[*v as usize];
@@ -73,9 +81,18 @@ pub(super) fn coverage(skin: &Skin, chosen: &[bool], edge: f32) -> (Vec<f32>, Ve
         }
         return ((0..3 * skin.triangles.len()).map(|corner| of_triangle(corner / 3)).collect(), vertices);
     }
-    for (vertex, distance) in vertices.iter_mut().zip(distances(skin, chosen, edge)) {
-        *vertex = (1.0 - distance / edge).max(FAR);
+    if part.has_sections() {
+        for (vertex, distance) in vertices.iter_mut().zip(distances(skin, &chosen, edge)) {
+            *vertex = 1.0 - distance / edge;
+        }
     }
+    if !part.balls.is_empty() {
+        for (vertex, p) in vertices.iter_mut().zip(&skin.positions) {
+            let inside = 1.0 + parts::depth_in_balls(part, *p) / edge;
+            *vertex = if part.has_sections() { vertex.min(inside) } else { inside };
+        }
+    }
+    vertices.iter_mut().for_each(|vertex| *vertex = vertex.clamp(FAR, -FAR));
     (skin.triangles.as_flattened().iter().map(|v| vertices[*v as usize]).collect(), vertices)
 }
 
