@@ -104,6 +104,19 @@ pub fn skin_of(mesh: Mesh) -> Skin {
 /// lines), where no triangle is left, and with `spec.strict` for everything that was repaired or
 /// left open, all in one; [`Error::Io`] where the file cannot be read.
 pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<Skin> {
+    load_like(spec, find, None)
+}
+
+/// As [`load`], but the file's coordinates are those of the file of another skin, and are taken to
+/// world space as that was; of the keys that place a mesh only `translate` counts.
+///
+/// # Errors
+/// As [`load`].
+pub fn load_like(
+    spec: &MeshSpec,
+    find: &dyn Fn(&str) -> Result<PathBuf>,
+    like: Option<&Skin>,
+) -> Result<Skin> {
     let mut source = Source::default();
     let (name, mut skin) = match (&spec.path, spec.shape) {
         (Some(path), None) => {
@@ -147,12 +160,21 @@ pub fn load(spec: &MeshSpec, find: &dyn Fn(&str) -> Result<PathBuf>) -> Result<S
             format!("no triangle is left to carry fur, expected one or more; {}", skin.notes.join("; ")),
         ));
     }
-    let placed =
-        place::place(&mut skin, spec, &source).and_then(|()| subdivide::check(&skin, spec.subdivide));
-    placed.map_err(|message| Error::fault(name, message))?;
+    let placed = match like {
+        Some(like) => {
+            place::place_like(&mut skin, spec, &like.world_from_file);
+            Ok(())
+        }
+        None => place::place(&mut skin, spec, &source),
+    };
+    placed
+        .and_then(|()| subdivide::check(&skin, spec.subdivide))
+        .map_err(|message| Error::fault(name, message))?;
+    let world_from_file = skin.world_from_file;
     for _ in 0..spec.subdivide {
         skin = subdivide::divided(&skin);
     }
+    skin.world_from_file = world_from_file;
     Ok(if spec.faceted { skin.faceted() } else { skin })
 }
 

@@ -1,6 +1,6 @@
 //! The skin: the surface that carries the fur.
 
-use glam::{Vec2, Vec3, Vec4};
+use glam::{DAffine3, Vec2, Vec3, Vec4};
 
 /// Index of a missing neighbour: the edge is a boundary.
 pub const NONE: u32 = u32::MAX;
@@ -31,6 +31,9 @@ pub struct Skin {
     pub sections: Vec<Section>,
     /// Index in `sections` of each triangle; empty where all are of the first.
     pub section_of: Vec<u32>,
+    /// From the coordinates of the mesh file to world space; identity for a skin that was not
+    /// loaded.
+    pub world_from_file: DAffine3,
     /// What loading repaired or noticed, to be reported to the user.
     pub notes: Vec<String>,
 }

@@ -10,6 +10,9 @@ use pelage_core::{Error, Result, SceneFault, Skin, World};
 /// needs, and still hours of work.
 pub const MOST_GUARD_HAIRS: f64 = 2e8;
 
+/// Number of guard hairs above which a body looks too large for its coat: a large dog has fewer.
+pub const MANY_GUARD_HAIRS: f64 = 5e6;
+
 /// Length of the longest hair, relative to the longest side of the body, above which a coat looks
 /// like a mistake.
 pub const LONGEST_PART: f32 = 0.25;
@@ -83,6 +86,13 @@ impl Extent {
             );
         }
         let mut notes = Vec::new();
+        if strands && self.guard_hairs > MANY_GUARD_HAIRS {
+            notes.push(format!(
+                "warning: {:.1} million guard hairs on {size}, which may take hours: if the body is smaller than that, set \
+                 mesh.size; if it is not, fewer and thicker hairs (guard.density, guard.diameter) look the same from afar",
+                self.guard_hairs * 1e-6
+            ));
+        }
         let drawn = self.guard_hairs > 0.0 || self.undercoat_hairs > 0.0;
         if drawn && self.guard_hairs.max(self.undercoat_hairs) < 1.0 {
             notes.push(format!(

@@ -3,7 +3,7 @@
 use super::{MeshKind, Source};
 use crate::Skin;
 use crate::scene::{MeshSpec, UpAxis};
-use glam::{DVec3, EulerRot, Quat, Vec3};
+use glam::{DAffine3, DVec3, EulerRot, Quat, Vec3};
 
 /// Length of a mesh whose file does not say how large it is, cm.
 const DEFAULT_CM: f64 = 30.0;
@@ -16,6 +16,19 @@ const METRES_CM: std::ops::RangeInclusive<f64> = 2.0..=500.0;
 
 /// Largest coordinate, cm: beyond it, squares of areas overflow f32.
 const MAX_COORDINATE: f32 = 1e8;
+
+/// Takes the coordinates of another mesh's file to world space as that mesh was, then translates.
+/// Normals turn alike: scales are uniform.
+pub(super) fn place_like(skin: &mut Skin, spec: &MeshSpec, world_from_file: &DAffine3) {
+    let translate = DAffine3::from_translation(Vec3::from_array(spec.translate).as_dvec3());
+    skin.world_from_file = translate * *world_from_file;
+    for p in &mut skin.positions {
+        *p = skin.world_from_file.transform_point3(p.as_dvec3()).as_vec3();
+    }
+    for n in &mut skin.normals {
+        *n = world_from_file.transform_vector3(n.as_dvec3()).as_vec3().normalize_or(Vec3::Y);
+    }
+}
 
 /// Up, centre, size, units, scale, rotation (x, then y, then z), translation: in this order.
 pub(super) fn place(skin: &mut Skin, spec: &MeshSpec, source: &Source) -> Result<(), String> {
@@ -53,6 +66,12 @@ pub(super) fn place(skin: &mut Skin, spec: &MeshSpec, source: &Source) -> Result
     for n in &mut skin.normals {
         *n = (world_from_object * *n).normalize_or(Vec3::Y);
     }
+    let axes = DVec3::AXES.map(|axis| turn(axis.as_vec3()).as_dvec3());
+    skin.world_from_file = DAffine3::from_translation(Vec3::from_array(spec.translate).as_dvec3())
+        * DAffine3::from_quat(world_from_object.as_dquat())
+        * DAffine3::from_scale(DVec3::splat(scale))
+        * DAffine3::from_translation(-center)
+        * DAffine3::from_mat3(glam::DMat3::from_cols(axes[0], axes[1], axes[2]));
     let largest = skin.positions.iter().map(|p| p.abs().max_element()).fold(0.0, f32::max);
     if !skin.positions.iter().all(|p| p.is_finite()) || largest > MAX_COORDINATE {
         return Err(format!(
