@@ -60,7 +60,7 @@ impl World {
         }
         crate::parts::check(&scene, &skin)?;
         skin.notes.extend(crate::parts::notes(&scene));
-        let objects = objects::load(&scene, assets)?;
+        let objects = objects::load(&scene, &skin, assets)?;
         let mut notes = skin.notes.clone();
         notes.extend(objects.iter().flat_map(|o| o.surface.notes.iter().cloned()));
         notes.extend(stage::complete(&mut scene, &skin));

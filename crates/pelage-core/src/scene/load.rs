@@ -24,6 +24,9 @@ const PORTRAIT_FOV: f64 = 20.0;
 /// The preset of a mesh that comes without a scene.
 pub const DEFAULT_PRESET: &str = "brown_mink";
 
+/// The ground of a mesh that is rendered as it comes.
+const GROUND: &str = "place = \"under\"\nmesh = { shape = \"disc\" }\nshadow_catcher = true\n";
+
 /// A value from the command line that overrides the scene file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Override {
@@ -117,7 +120,11 @@ fn read_text(path: &Path) -> Result<String> {
 /// The scene of a mesh alone.
 fn scene_of_mesh(path: &Path) -> String {
     let name = toml::Value::String(short(path));
-    format!("preset = \"{DEFAULT_PRESET}\"\n[mesh]\npath = {name}\nfront = \"auto\"\n")
+    // Each object has a name of its own, and the body has that of its file.
+    let ground = if path.file_stem().is_some_and(|stem| stem == "ground") { "floor" } else { "ground" };
+    format!(
+        "preset = \"{DEFAULT_PRESET}\"\n[mesh]\npath = {name}\nfront = \"auto\"\n[[objects]]\nname = \"{ground}\"\n{GROUND}"
+    )
 }
 
 fn parse_all(overrides: &[String]) -> Result<Vec<Override>> {

@@ -15,8 +15,10 @@ pub const MAX_OBJECTS: usize = 256;
 pub struct ObjectSpec {
     /// Name in messages and of the object's matte; each object has its own.
     pub name: String,
-    /// Its mesh, in the same world as the skin, with the keys of `[mesh]` except `front`.
+    /// Its mesh, with the keys of `[mesh]` except `front`.
     pub mesh: MeshSpec,
+    /// Where it stands; by default where the keys of its mesh put it.
+    pub place: Placement,
     /// Edges at which two triangles meet at a larger angle are sharp, degrees; smaller ones are
     /// shaded as round. Default 40.
     #[schemars(range(min = 0.0, max = 180.0))]
@@ -27,6 +29,24 @@ pub struct ObjectSpec {
     /// whose alpha is the share of the light that is missing, 1 - visible / unshadowed irradiance
     /// (luminances). It blocks no light, and hides what is behind it.
     pub shadow_catcher: bool,
+}
+
+/// Where an object stands.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Placement {
+    /// In the scene's coordinates, by the keys of its mesh alone.
+    #[default]
+    World,
+    /// On the body: its file has the coordinates of the body's file, as when both were modelled
+    /// together, and is moved, turned and scaled with the body. Of the keys that place a mesh only
+    /// `translate` may be given.
+    Body,
+    /// Under the body, for the ground: as `world`, from the point that lies under the middle of the
+    /// skin, as high as its lowest. The object's highest point comes to lie there, so that y of
+    /// `translate` counts from it. A built-in shape whose size is not given is made eight times as
+    /// long as the body.
+    Under,
 }
 
 /// An opaque material: the metallic-roughness model of glTF 2.0 with the clear coat of
@@ -55,6 +75,7 @@ impl Default for ObjectSpec {
         Self {
             name: String::new(),
             mesh: MeshSpec::default(),
+            place: Placement::World,
             crease: 40.0,
             material: ObjectMaterial::default(),
             shadow_catcher: false,
@@ -95,6 +116,33 @@ pub(super) fn broken(scene: &Scene, tree: &Node, sources: &Sources) -> Vec<Scene
         if object.mesh.front.is_some() {
             let help = "take it away; mesh.rotate turns an object";
             fault(".mesh.front", "an object has no coat that turns with its front", help);
+        }
+        if object.place == Placement::Body {
+            let mesh = &object.mesh;
+            let given = [
+                ("size", mesh.size.is_some()),
+                ("units", mesh.units.is_some()),
+                ("up", mesh.up.is_some()),
+                ("scale", mesh.scale.is_some()),
+                ("rotate", mesh.rotate != [0.0; 3]),
+                ("center", mesh.center != MeshSpec::default().center),
+            ];
+            for (key, _) in given.iter().filter(|(_, given)| *given) {
+                let help = "take it away, or use place = \"world\"";
+                fault(
+                    &format!(".mesh.{key}"),
+                    "with place = \"body\" the object is placed as the body is",
+                    help,
+                );
+            }
+            if mesh.shape.is_some() || scene.mesh.shape.is_some() {
+                let help = "use place = \"world\" with mesh.translate and mesh.size";
+                fault(
+                    ".place",
+                    "\"body\" is for files that were modelled together; found a built-in shape",
+                    help,
+                );
+            }
         }
         match (object.mesh.path.as_deref(), object.mesh.shape) {
             (None, None) => fault(
