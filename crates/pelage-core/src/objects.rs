@@ -31,6 +31,9 @@ pub fn load(scene: &Scene, assets: &Assets) -> Result<Vec<Object>> {
     for spec in &scene.objects {
         match mesh::load(&spec.mesh, &|name| assets.find(name)) {
             Ok(mut surface) => {
+                if !spec.mesh.faceted {
+                    surface = surface.creased(spec.crease.to_radians());
+                }
                 let colored = matches!(&spec.material.color, Color::Mapped(m) if m.map == VERTEX_COLOR);
                 if colored && !surface.colored {
                     surface.notes.push(white_vertices(&spec.mesh));

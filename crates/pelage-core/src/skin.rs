@@ -89,6 +89,57 @@ impl Skin {
         self
     }
 
+    /// The same surface with sharp edges where the normals of neighbouring triangles are more than
+    /// `crease` radians apart: there, vertices are split. A corner's normal is the sum of the
+    /// normals of its own triangle and of those at the vertex within that angle of it, weighted by
+    /// their angles at the vertex.
+    // [ThurmerWuthrich1998]
+    pub fn creased(mut self, crease: f32) -> Self {
+        let mut around = vec![Vec::new(); self.positions.len()];
+        for (t, corners) in self.triangles.iter().enumerate() {
+            let p = self.corners(t);
+            let Some(normal) = (p[1] - p[0]).cross(p[2] - p[0]).try_normalize() else { continue };
+            for k in 0..3 {
+                let angle = (p[(k + 1) % 3] - p[k]).angle_between(p[(k + 2) % 3] - p[k]);
+                around[corners[k] as usize].push((t, k, normal, angle));
+            }
+        }
+        let least = crease.cos();
+        for (v, corners) in around.iter().enumerate() {
+            // Normals at the vertex, and the vertex that has each.
+            let mut known: Vec<(Vec3, u32)> = Vec::new();
+            for (t, k, own, _) in corners {
+                let near = corners.iter().filter(|(_, _, normal, _)| normal.dot(*own) >= least - 1e-6);
+                let sum: Vec3 = near.map(|(_, _, normal, angle)| normal * angle).sum();
+                let normal = sum.try_normalize().unwrap_or(*own);
+                let same = known.iter().find(|(other, _)| other.abs_diff_eq(normal, 1e-5));
+                let number = same.map_or_else(|| self.vertex_with(v, known.is_empty(), normal), |(_, n)| *n);
+                if same.is_none() {
+                    known.push((normal, number));
+                }
+                self.triangles[*t][*k] = number;
+            }
+        }
+        self
+    }
+
+    /// Gives vertex `v`, or a new one like it unless `itself`, a normal; returns its number.
+    fn vertex_with(&mut self, v: usize, itself: bool, normal: Vec3) -> u32 {
+        if itself {
+            self.normals[v] = normal;
+            return v as u32;
+        }
+        self.positions.push(self.positions[v]);
+        self.normals.push(normal);
+        if let Some(color) = self.colors.get(v).copied() {
+            self.colors.push(color);
+        }
+        if let Some(alpha) = self.alphas.get(v).copied() {
+            self.alphas.push(alpha);
+        }
+        self.positions.len() as u32 - 1
+    }
+
     /// Lowest and highest corner of the bounding box, cm.
     pub fn bounds(&self) -> (Vec3, Vec3) {
         self.positions

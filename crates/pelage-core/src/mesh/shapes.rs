@@ -21,6 +21,9 @@ pub fn shape(shape: Shape) -> Mesh {
         Shape::Hat => hat::hat(),
         Shape::Sphere => sphere(),
         Shape::Plane => plane(),
+        Shape::Disc => disc(),
+        Shape::Cube => cube(),
+        Shape::Cylinder => cylinder(),
         Shape::Torus => torus(),
         Shape::Pyramid => pyramid(),
         Shape::Die => die(),
@@ -117,6 +120,65 @@ fn plane() -> Mesh {
     let at = |i: u32| (i as f32 / N as f32 - 0.5) * 10.0;
     let uv = |i: u32, j: u32| Vec2::new(i as f32, j as f32) / N as f32 * (10.0 / UV_CM);
     grid((N, N), (false, false), |i, j| Vec3::new(at(i), 0.0, -at(j)), uv)
+}
+
+/// Points of a disc of radius 1 for a square from -1 to 1: squares around the middle become
+/// circles, so that no triangle is pinched.
+// [ShirleyChiu1997]
+fn on_disc([a, b]: [f32; 2]) -> Vec2 {
+    let (radius, angle) = match a.abs() > b.abs() {
+        true => (a, FRAC_PI_4 * b / a),
+        false if b == 0.0 => (0.0, 0.0),
+        false => (b, 2.0 * FRAC_PI_4 - FRAC_PI_4 * a / b),
+    };
+    radius * Vec2::from_angle(angle)
+}
+
+/// A flat disc of radius 5 cm that faces +y, 32 x 32 quads.
+fn disc() -> Mesh {
+    const N: u32 = 32;
+    const RADIUS: f32 = 5.0;
+    let at = |i: u32, j: u32| RADIUS * on_disc([i, j].map(|k| 2.0 * k as f32 / N as f32 - 1.0));
+    let point = |i, j| Vec3::new(at(i, j).x, 0.0, -at(i, j).y);
+    grid((N, N), (false, false), point, |i, j| (at(i, j) + RADIUS) / UV_CM)
+}
+
+/// A cube of edge 10 cm, 8 quads per side.
+fn cube() -> Mesh {
+    const N: i32 = 8;
+    const EDGE: f32 = 10.0;
+    cube_surface(N, EDGE, |p| Vec3::from_array(p.map(|i| (i as f32 / N as f32 - 0.5) * EDGE)))
+}
+
+/// A closed cylinder of radius 1 cm around the y axis, 10 cm long: 48 x 72 quads around it, and
+/// discs at its ends.
+fn cylinder() -> Mesh {
+    const N: u32 = 12;
+    const ROWS: u32 = 72;
+    const LENGTH: f32 = 10.0;
+    // The border of the square of a disc, against the sun as seen from above.
+    let border = |i: u32| match i % (4 * N) {
+        i if i < N => (i, 0),
+        i if i < 2 * N => (N, i - N),
+        i if i < 3 * N => (3 * N - i, N),
+        i => (0, 4 * N - i),
+    };
+    let at = |(i, j): (u32, u32)| on_disc([i, j].map(|k| 2.0 * k as f32 / N as f32 - 1.0));
+    let height = |j: u32| LENGTH * (j as f32 / ROWS as f32 - 0.5);
+    let around = |i: u32, j: u32| Vec3::new(at(border(i)).x, height(j), -at(border(i)).y);
+    let uv = |i: u32, j: u32| Vec2::new(TAU * i as f32 / (4 * N) as f32, height(j) + LENGTH / 2.0) / UV_CM;
+    let mut mesh = grid((4 * N, ROWS), (true, false), around, uv);
+    for (j, up) in [(ROWS, true), (0, false)] {
+        let end = |i: u32, k: u32| at(if up { (i, k) } else { (N - i, k) });
+        let point = |i: u32, k: u32| Vec3::new(end(i, k).x, height(j), -end(i, k).y);
+        let cap = grid((N, N), (false, false), point, |i, k| (end(i, k) + 1.0) / UV_CM);
+        let first = mesh.positions.len() as u32;
+        mesh.positions.extend(cap.positions);
+        mesh.triangles.extend(cap.triangles.iter().map(|t| t.map(|v| v + first)));
+        let uv = mesh.corner_uv.get_or_insert_default();
+        uv.extend(cap.corner_uv.into_iter().flatten());
+    }
+    mesh
 }
 
 /// A torus around the y axis, radii 5 and 2 cm, 80 x 32 quads.

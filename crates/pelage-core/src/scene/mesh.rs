@@ -149,6 +149,12 @@ pub enum Shape {
     Sphere,
     /// Flat square, 10 x 10 cm, facing +y.
     Plane,
+    /// Flat disc, radius 5 cm, facing +y.
+    Disc,
+    /// Cube, edge 10 cm; for an object, whose edges stay sharp.
+    Cube,
+    /// Closed cylinder, radius 1 cm, 10 cm long, its axis along y; for an object.
+    Cylinder,
     /// Torus, radii 5 and 2 cm.
     Torus,
     /// Pyramid, base 10 cm.

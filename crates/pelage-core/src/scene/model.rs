@@ -32,6 +32,7 @@ pub struct Scene {
     pub mesh: MeshSpec,
     /// Meshes without fur. They cover fur and skin, cast shadows on them, and receive theirs.
     #[serde(skip_serializing_if = "Vec::is_empty")]
+    #[schemars(length(max = 256))]
     pub objects: Vec<ObjectSpec>,
     /// The camera.
     pub camera: Camera,

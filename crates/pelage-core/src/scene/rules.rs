@@ -42,37 +42,8 @@ pub(super) fn broken(
             ));
         }
     }
-    faults.extend(object_faults(scene, tree, sources));
-    faults
-}
-
-/// Faults of objects: each has a name of its own and exactly one mesh.
-fn object_faults(scene: &Scene, tree: &Node, sources: &Sources) -> Vec<SceneFault> {
-    let mut faults = Vec::new();
-    for (i, object) in scene.objects.iter().enumerate() {
-        let mut fault = |key: &str, message: &str, help: &str| {
-            let path = format!("objects.{i}{key}");
-            let message = format!("{path}: {message}");
-            faults.push(sources.fault(tree.origin_of(&path), message, Some(help.to_owned())));
-        };
-        if object.name.is_empty() {
-            fault("", "the key \"name\" is missing or empty", "give each object a name: name = \"left eye\"");
-        } else if scene.objects[..i].iter().any(|other| other.name == object.name) {
-            let message = format!("an earlier object is called \"{}\" too", object.name);
-            fault(".name", &message, "give each object a name of its own");
-        }
-        match (object.mesh.path.as_deref(), object.mesh.shape) {
-            (None, None) => fault(
-                "",
-                "the object has no mesh: neither mesh.path nor mesh.shape is given",
-                "name a file (mesh = { path = \"...\" }) or a built-in shape (mesh = { shape = \"sphere\", size = 1 })",
-            ),
-            (Some(_), Some(_)) => {
-                fault(".mesh", "both mesh.path and mesh.shape are given", "keep one of them");
-            }
-            (Some(""), None) => fault(".mesh.path", "found an empty name", "name a mesh file"),
-            _ => {}
-        }
+    if !known_bad.iter().any(|table| table == "objects") {
+        faults.extend(super::objects::broken(scene, tree, sources));
     }
     faults
 }
