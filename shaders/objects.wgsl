@@ -2,11 +2,11 @@
 // here: depth, normal, and the light of every light source that neither skin nor objects block,
 // attenuated by the fur.
 // In: `triangle_ids`, triangles, `bvh_nodes`, `fur_cells`, `object_materials`, `maps_and_tables`,
-// `lights`. Out: `base_records` of samples that see an object. Each dispatch adds some of the lights
-// to sums that wait in `samples`, because shadow rays of all lights may take more rounds of loops
-// than Mesa's software adapter allows an invocation.
-// DEVIATION: glossy objects reflect lights alone, neither fur nor other objects nor the environment's
-// map; a picture of a scene is one bounce of light on them, like that of the skin.
+// `lights`. Out: `base_records` of samples that see an object. Each dispatch adds a few lights to
+// sums that wait in `samples`, because shadow rays of all lights may take more rounds of loops than
+// Mesa's software adapter allows an invocation.
+// DEVIATION: glossy objects reflect the lights alone, not fur, other objects or the sky between the
+// lights; as on the skin, what these scatter onto an object is left out.
 
 @group(0) @binding(1) var<storage, read> shell_vertices: array<ShellVertex>;
 @group(0) @binding(2) var<storage, read> prisms: array<Prism>;
@@ -27,6 +27,8 @@
 #import shared/frame
 #import shared/arithmetic
 #import shared/index
+#import shared/angles
+#import shared/constants
 #import shared/random
 #import shared/undercoat_types
 #import shared/barycentric
@@ -67,6 +69,16 @@ const LARGEST: f32 = 6e4;
 
 fn luminance(c: vec3f) -> f32 {
     return dot(c, vec3f(0.2126, 0.7152, 0.0722));
+}
+
+// A direction from the part of the sky that a light stands for, mirrored to above the surface.
+fn within_light(l: vec3f, spread: f32, u: vec2f, up: vec3f) -> vec3f {
+    if spread == 0.0 {
+        return l;
+    }
+    let cosine = 1.0 - u.x * (1.0 - cos(2.0 * spread));
+    let d = cosine * l + sqrt(max(1.0 - cosine * cosine, 0.0)) * side_at(sides_of(l), TAU * u.y);
+    return d - 2.0 * min(dot(d, up), 0.0) * up;
 }
 
 // How far a point lies below the plane through a corner with its smoothed normal, along the normal.
@@ -114,7 +126,8 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
     let curved = x + interpolate3(lambda, below_corner(x, va.position, va.normal * outside),
         below_corner(x, vb.position, vb.normal * outside), below_corner(x, vc.position, vc.normal * outside));
     let largest = max(abs(x.x), max(abs(x.y), abs(x.z)));
-    let origin = curved + normalize(n) * (outside * OFFSET * (1.0 + largest));
+    let up = normalize(n) * outside;
+    let origin = curved + up * (OFFSET * (1.0 + largest));
     // Rays through the fur start anywhere within a cell, which hides the cells' walls.
     let film = vec2u(frame.tile_origin + vec2i(xy));
     let seed = hash2(frame.seed, hash2(film.x, film.y));
@@ -138,10 +151,11 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         }
         let irradiance = lights.lights[j].irradiance * cosine;
         unshadowed += luminance(irradiance);
-        if blocked(origin, l) {
+        let way = within_light(l, lights.lights[j].spread, random2(seed, 3u + 2u * j), up);
+        if blocked(origin, way) {
             continue;
         }
-        let lit = irradiance * exp(-fur_depth(x + jitter, l)); // [Max1995]
+        let lit = irradiance * exp(-fur_depth(x + jitter, way)); // [Max1995]
         arriving += luminance(lit);
         radiance += lit * scatter_material(surface, normal, view, l, lights.lights[j].spread);
     }

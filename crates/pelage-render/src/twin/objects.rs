@@ -13,7 +13,9 @@ use pelage_fur::layout::Frame;
 use pelage_fur::material::Material;
 use pelage_fur::parameters::{Maps, triangle_point};
 use pelage_fur::random::{hash2, random};
+use pelage_fur::strand_curve::{side_at, sides};
 use pelage_fur::view::sample_ray;
+use std::f32::consts::TAU;
 
 /// Distance that keeps shadow rays off their triangle, relative to the size of the coordinates.
 const OFFSET: f32 = 4e-6;
@@ -98,19 +100,22 @@ impl<'a> Surroundings<'a> {
         let normals = surface.triangles[triangle].map(|v| outside * surface.normals[v as usize]);
         let raised: Vec3 =
             (0..3).map(|k| lambda[k] * (-(x - corners[k]).dot(normals[k])).max(0.0) * normals[k]).sum();
-        let origin = x + raised + outside * n.normalize() * (OFFSET * (1.0 + x.abs().max_element()));
+        let up = outside * n.normalize();
+        let origin = x + raised + up * (OFFSET * (1.0 + x.abs().max_element()));
         let [column, row] = [0, 1].map(|k| (frame.tile_origin[k] + xy[k] as i32) as u32);
         let seed = hash2(frame.seed, hash2(column, row));
         let jitter = Vec3::from([0, 1, 2].map(|k| random(seed, k) - 0.5)) * self.fur.grid.cell;
         let (mut radiance, mut arriving, mut unshadowed) = (Vec3::ZERO, Vec3::ZERO, Vec3::ZERO);
-        for light in &self.packed.lights[..self.packed.light_parameters.count as usize] {
+        let lights = &self.packed.lights[..self.packed.light_parameters.count as usize];
+        for (light, j) in lights.iter().zip(0u32..) {
             let l = Vec3::from(light.direction);
             let irradiance = Vec3::from(light.irradiance) * normal.dot(l).max(0.0);
             unshadowed += irradiance;
-            if irradiance == Vec3::ZERO || !self.open(origin, l) {
+            let way = within_light(l, light.spread, [3, 4].map(|k| random(seed, k + 2 * j)), up);
+            if irradiance == Vec3::ZERO || !self.open(origin, way) {
                 continue;
             }
-            let lit = irradiance * (-fur_depth(self.fur, x + jitter, l)).exp();
+            let lit = irradiance * (-fur_depth(self.fur, x + jitter, way)).exp();
             arriving += lit;
             radiance += lit * material.evaluate(normal, view, l, light.spread);
         }
@@ -122,6 +127,17 @@ impl<'a> Surroundings<'a> {
         }
         Shaded { base: Base { z, radiance, normal, transparency }, albedo }
     }
+}
+
+/// A direction from the part of the sky that a light stands for, mirrored to above the surface.
+fn within_light(l: Vec3, spread: f32, [u, v]: [f32; 2], up: Vec3) -> Vec3 {
+    if spread == 0.0 {
+        return l;
+    }
+    let cosine = 1.0 - u * (1.0 - (2.0 * spread).cos());
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let d = cosine * l + sine * side_at(sides(l), TAU * v);
+    d - 2.0 * d.dot(up).min(0.0) * up
 }
 
 /// Optical depth of the fur along a ray to infinity: the walls that it crosses, in order, cut it
