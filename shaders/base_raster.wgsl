@@ -1,6 +1,6 @@
 // Step 4: the skin, and which objects are seen. The raster stage writes only which triangle of both
-// is nearest at each sample; `shade` turns that of the skin into base records, lit from the lattice's
-// columns. [Andersen2016] table 1
+// is nearest at each sample; `shade` turns that of the skin into base records, lit from the
+// lattice's columns. [Andersen2016] table 1
 // In: `shell_vertices`, `prisms`, `base_light` (radiance at the columns). Out: `base_records`, one
 // per sample (shared/base): depth in cm, linear RGB radiance, normal.
 
@@ -82,6 +82,8 @@ fn shade(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) grou
         for (var k = 0u; k < 3u; k++) {
             albedo += cell.weights[k] * unpack_albedo(columns[cell.columns[k]].color_base);
         }
-        samples[sample_vector(i) + 2u].x = pack_albedo(albedo);
+        let at = sample_vector(i) + 2u;
+        samples[at].x = pack_albedo(albedo);
+        samples[at].y = 0u;
     }
 }

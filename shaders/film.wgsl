@@ -3,7 +3,8 @@
 // In: `samples` (shared/film_sample), the filter's weights in `reconstruction`. Out: `pixels`,
 // plane by plane: linear RGB and alpha; guard hairs, undercoat, skin; normal of the skin, with
 // FEATURES that of what is visible, times opacity; transmittance; fragments; depth (cm) times
-// opacity, and opacity; position (cm) times opacity; with FEATURES albedo, tangent, and coverages.
+// opacity, and opacity; position (cm) times opacity; with FEATURES albedo, tangent, and coverages,
+// and, if there are objects, coverages of the skin and of each object.
 
 struct Reconstruction {
     origin: vec2i,          // first pixel of the tile, relative to the tile's first sample
@@ -14,7 +15,8 @@ struct Reconstruction {
     planes: u32,            // number of planes written: 4, 20, 23, with FEATURES all 32
     accumulate: u32,        // 1: adds to `pixels`, 0: overwrites them
     scale: f32,             // 1 / passes over the image
-    padding: vec2u,
+    objects: u32,           // number of objects
+    padding: u32,
     weights: array<vec4f, 32>, // taps, four per vector
 }
 
@@ -92,4 +94,32 @@ fn main(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) group
         let before = select(0.0, pixels[at], reconstruction.accumulate == 1u);
         pixels[at] = before + reconstruction.scale * values[p];
     }
+}
+
+// Coverages of the skin and of each object, behind the other planes.
+@compute @workgroup_size(64)
+fn objects(@builtin(global_invocation_id) id: vec3u, @builtin(num_workgroups) groups: vec3u) {
+    let i = linear_index(id, groups);
+    let count = reconstruction.pixels.x * reconstruction.pixels.y;
+    if i >= count * (1u + reconstruction.objects) {
+        return;
+    }
+    let object = i / count;
+    let place = i % count;
+    let pixel = vec2i(vec2u(place % reconstruction.pixels.x, place / reconstruction.pixels.x));
+    let corner = reconstruction.origin + pixel * i32(reconstruction.grid) - reconstruction.reach;
+    var sum = 0.0;
+    for (var y = 0u; y < reconstruction.taps; y++) {
+        for (var x = 0u; x < reconstruction.taps; x++) {
+            let xy = clamp(corner + vec2i(vec2u(x, y)), vec2i(0), vec2i(frame.tile_size) - 1);
+            let at = sample_vector(tile_index(vec2u(xy)));
+            let s = unpack_feature_sample(samples[at + 2u], samples[at + 3u]);
+            if s.object == object {
+                sum += weight(x) * weight(y) * s.coverage.z;
+            }
+        }
+    }
+    let at = reconstruction.planes * count + i;
+    let before = select(0.0, pixels[at], reconstruction.accumulate == 1u);
+    pixels[at] = before + reconstruction.scale * sum;
 }

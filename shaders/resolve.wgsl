@@ -3,7 +3,7 @@
 // virtual fragments; `blend_fragments` sorts and blends the fragments that undercoat_march stored:
 // shell fragments with [Andersen2016] eq. 4, virtual fragments as they are.
 // In: `fragment_lists`, `media_or_uv` (the volume), `node_light` (light at the lattice's nodes),
-// `base_records`; with FEATURES, the skin's albedo in `samples`.
+// `base_records`; with FEATURES, its albedo and object in `samples`.
 // Out: `samples` (shared/film_sample), premultiplied linear RGB; `march_counters`.
 
 @group(0) @binding(1) var<uniform> fur: FurParameters;
@@ -66,20 +66,22 @@ struct Gathered {
     tangent: vec3f,
 }
 
-// Composites the skin behind everything and writes the film sample.
+// Composites the skin or an object behind everything and writes the film sample.
 fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
     let base = base_records[i];
     let z_base = base_depth(base);
     var normal = 0u;
     var base_coverage = 0.0;
+    var object = 0u;
     if z_base < NO_BASE {
+        let transparency = base_transparency(base);
         if FEATURES {
-            base_coverage = (*g).through;
+            base_coverage = (*g).through * (1.0 - transparency);
+            object = samples[sample_vector(i) + 2u].y;
             (*g).albedo += base_coverage * unpack_albedo(samples[sample_vector(i) + 2u].x);
             (*g).normal += base_coverage * unpack_direction(base.w);
         }
         (*g).base = (*g).through * base_radiance(base);
-        let transparency = base_transparency(base);
         (*g).z_sum += (*g).through * (1.0 - transparency) * z_base;
         (*g).through *= transparency;
         normal = base.w;
@@ -96,7 +98,7 @@ fn finish(i: u32, xy: vec2u, g: ptr<function, Gathered>) {
         let stored = 1.0 - unpack2x16float(pack2x16float(vec2f((*g).through, 0.0))).x;
         let coverage = vec3f((*g).guard_coverage, (*g).undercoat_coverage, base_coverage);
         let more = pack_feature_sample(FeatureSample((*g).albedo, (*g).normal, (*g).tangent,
-            coverage * (stored / max(coverage.x + coverage.y + coverage.z, 1e-12))));
+            coverage * (stored / max(coverage.x + coverage.y + coverage.z, 1e-12)), object));
         samples[at + 2u] = more[0];
         samples[at + 3u] = more[1];
     }

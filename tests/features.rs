@@ -54,7 +54,8 @@ fn agreement(blend: Blend) {
     let inputs = m.inputs();
     let (mut seen, mut good) = (0u32, [0u32; 4]);
     for ((i, xy), found) in m.places().zip(m.resolve(blend == Blend::Exact)) {
-        let Features { albedo, normal, tangent, coverage } = found.features.expect("features");
+        let Features { albedo, normal, tangent, coverage, object } = found.features.expect("features");
+        assert_eq!(object, 0, "a scene without objects");
         let ray = sample_ray(&m.tile.frame, xy);
         let view = -ray.normalize();
         let blended = |of_node: &dyn Fn(&Node) -> Vec3, of_step: &dyn Fn(&Step) -> Vec3, of_base: Vec3| {

@@ -53,6 +53,7 @@ mod mesh_sizes;
 mod moved;
 mod new;
 mod noise;
+mod objects;
 mod parts;
 mod pathtrace_curve;
 mod pathtrace_grow;

@@ -34,8 +34,8 @@ fn triplanar(p: Parameter, position: vec3f, normal: vec3f) -> vec4f {
     return w.x * bilinear(p, at.yz) + w.y * bilinear(p, at.xz) + w.z * bilinear(p, at.xy);
 }
 
-// Factor on a parameter's constant at a point of a surface with the given vertex colour. The position
-// is that before the mesh was moved to its place.
+// Factor on a parameter's constant at a point of a surface with the given vertex colour. The
+// position is that before the mesh was moved to its place.
 fn map_value(p: Parameter, position: vec3f, normal: vec3f, uv: vec2f, color: vec4f) -> vec4f {
     switch p.source {
         case 1u: { return color; }

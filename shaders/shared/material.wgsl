@@ -1,6 +1,8 @@
 // The material of objects: metallic-roughness with a clear coat, index of refraction 1.5.
 // [GLTF2] appendix B, KHR_materials_clearcoat
 
+#import shared/constants
+
 struct Material {
     color: vec3f,     // base colour
     roughness: f32,
@@ -36,7 +38,7 @@ fn ggx_lobe(nh: f32, nl: f32, nv: f32, alpha: f32) -> f32 {
     let d = nh * nh * (a2 - 1.0) + 1.0;
     let l = nv * sqrt(nl * nl * (1.0 - a2) + a2);
     let v = nl * sqrt(nv * nv * (1.0 - a2) + a2);
-    return a2 / max(3.14159265 * d * d, 1e-20) * 0.5 / max(l + v, 1e-10);
+    return a2 / max(PI * d * d, 1e-20) * 0.5 / max(l + v, 1e-10);
 }
 
 // Scattering from l to v, 1/sr, without the cosine of incidence. `n`, `v`, `l`: unit, leaving the
@@ -55,7 +57,7 @@ fn scatter_material(m: Material, n: vec3f, v: vec3f, l: vec3f, spread: f32) -> v
     let fresnel = f0 + (1.0 - f0) * grazing(vh);
     let specular = fresnel * ggx_lobe(nh, nl, nv, lobe_width(m.roughness, spread));
     // Light that enters and leaves: coupled to the reflection, so that no energy is made.
-    let inside = (1.0 - dielectric(nl)) * (1.0 - dielectric(nv)) / (ENTERING * 3.14159265);
+    let inside = (1.0 - dielectric(nl)) * (1.0 - dielectric(nv)) / (ENTERING * PI);
     let diffuse = m.color * ((1.0 - m.metallic) * inside);
     let coat = ggx_lobe(nh, nl, nv, lobe_width(m.clearcoat_roughness, spread));
     return mix(diffuse + specular, vec3f(coat), m.clearcoat * dielectric(nv));

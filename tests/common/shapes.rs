@@ -5,11 +5,14 @@ use pelage_core::{Error, Result, Skin, mesh};
 use std::path::PathBuf;
 
 /// Every built-in shape.
-pub const SHAPES: [Shape; 8] = [
+pub const SHAPES: [Shape; 11] = [
     Shape::CylinderPelt,
     Shape::Hat,
     Shape::Sphere,
     Shape::Plane,
+    Shape::Disc,
+    Shape::Cube,
+    Shape::Cylinder,
     Shape::Torus,
     Shape::Pyramid,
     Shape::Die,

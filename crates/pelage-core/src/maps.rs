@@ -90,8 +90,8 @@ pub(crate) fn white_vertices(mesh: &MeshSpec) -> String {
     )
 }
 
-/// The images that groom and objects name and their layers, with repetitions, and whether each is read as
-/// a colour.
+/// The images that groom and objects name and their layers, with repetitions, and whether each is
+/// read as a colour.
 fn maps_of(scene: &Scene) -> Vec<(&str, &str, bool)> {
     let mut maps = names_of(scene);
     maps.extend(scene.objects.iter().filter_map(|object| match &object.material.color {

@@ -7,6 +7,8 @@ use bytemuck::{Pod, Zeroable};
 
 /// Largest number of directional lights.
 pub const MAX_LIGHTS: usize = pelage_core::light::MAX_LIGHTS;
+/// Largest number of objects: their materials are a uniform of at most 64 KiB.
+pub const MAX_OBJECTS: usize = pelage_core::scene::MAX_OBJECTS;
 
 /// Parameters that maps may vary.
 pub const PARAMETERS: usize = 17;
@@ -266,7 +268,8 @@ shared! {
         planes: u32,
         accumulate: u32,
         scale: f32,
-        padding: [u32; 2],
+        objects: u32,
+        padding: u32,
         weights: [[f32; 4]; 32],
     }
     /// `shared/shellfin_types.wgsl`
@@ -382,6 +385,15 @@ shared! {
     /// `shared/lights.wgsl`
     struct Lights {
         lights: [Light; MAX_LIGHTS],
+    }
+    /// `objects.wgsl`: the lights of a dispatch.
+    struct LightBatch {
+        first: u32,
+        end: u32,
+    }
+    /// `objects.wgsl`
+    struct ObjectMaterials {
+        materials: [ObjectMaterial; MAX_OBJECTS],
     }
     /// `shellfin_rows.wgsl`
     struct LightingTable {

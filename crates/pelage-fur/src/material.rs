@@ -44,14 +44,18 @@ fn width(roughness: f32, spread: f32) -> f32 {
     (alpha * alpha + spread * spread).sqrt().min(1.0)
 }
 
-/// Half the angular radius of the part of the sky that each of the environment's lights stands
-/// for, radians; 0 without an environment. Lobes are widened by it under those lights, so that
-/// glossy surfaces show a blurred sky rather than points.
-pub fn environment_spread(world: &World) -> f32 {
-    match world.lights.iter().filter(|l| l.environment).count() {
-        0 => 0.0,
-        n => 0.5 * (1.0 - 2.0 / n as f32).acos(),
-    }
+/// For each light of a world, half the angular radius of the part of the sky that it stands for,
+/// radians; 0 for lights that are not of the environment. Lobes are widened by it, and shadow rays
+/// spread over twice as much, so that objects show a blurred sky rather than points, and have soft
+/// shadows. The radius is half the angle to the nearest other light, at most that of an equal part.
+pub fn spreads(world: &World) -> Vec<f32> {
+    let of_sky: Vec<Vec3> = world.lights.iter().filter(|l| l.environment).map(|l| l.direction).collect();
+    let equal = (1.0 - 2.0 / of_sky.len().max(1) as f32).acos();
+    let radius = |direction: Vec3| {
+        let angles = of_sky.iter().filter(|d| **d != direction).map(|d| d.angle_between(direction));
+        angles.fold(2.0 * equal, f32::min) / 2.0
+    };
+    world.lights.iter().map(|l| if l.environment { 0.5 * radius(l.direction) } else { 0.0 }).collect()
 }
 
 /// Reflectance by Schlick's approximation.
@@ -80,7 +84,7 @@ fn visibility(nl: f32, nv: f32, alpha: f32) -> f32 {
 
 impl Material {
     /// Scattering from `l` to `v`, 1/sr, without the cosine of incidence; 0 for light from below.
-    /// `spread` as from [`environment_spread`], 0 for a light that is a point.
+    /// `spread` as from [`spreads`], 0 for a light that is a point.
     pub fn evaluate(&self, n: Vec3, v: Vec3, l: Vec3, spread: f32) -> Vec3 {
         let nl = n.dot(l);
         let nv = n.dot(v).max(LEAST_COSINE);

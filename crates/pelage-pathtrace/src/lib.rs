@@ -173,7 +173,8 @@ impl Tracer {
     ///
     /// # Errors
     /// [`Error::Unsupported`] if the scene has objects, if the hairs take more than
-    /// `options.memory`, or as [`Geometry::new`]; [`Error::Scene`] if the environment's map is missing.
+    /// `options.memory`, or as [`Geometry::new`]; [`Error::Scene`] if the environment's map is
+    /// missing.
     pub fn new(world: &World, layers: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
         world.without_objects("the path tracer")?;
         let needed = estimate(world, &layers);

@@ -106,10 +106,9 @@ pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &Render
 
 impl Rendering {
     fn new(world: &World, options: &RenderOptions<'_>) -> Self {
-        let film = &world.scene.film;
         Self {
             started: Instant::now(),
-            film: planes::blank_film(film.width, film.height, options, world.scene.render.fur),
+            film: planes::blank_film(options, world),
             timings: Timings::default(),
             stats: Stats::default(),
             done: 0,

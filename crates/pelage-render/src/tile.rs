@@ -17,7 +17,7 @@ use pelage_core::stats::Stats;
 use pelage_core::{Error, Result, World};
 use pelage_fur::camera::FLAG_SORTED_LISTS;
 use pelage_fur::groom;
-use pelage_fur::layout::Frame;
+use pelage_fur::layout::{Frame, Reconstruction};
 use pelage_gpu::recorder::Timings;
 use pelage_gpu::{Recorder, Resource};
 use size::TileSize;
@@ -32,6 +32,8 @@ pub struct Tiles<'a> {
     world: &'a World,
     plan: &'a SamplePlan,
     planes: u32,
+    /// Objects whose coverage is kept in further planes, with that of the skin.
+    objects: u32,
     edge: u32,
     buffers: TileBuffers,
     bins: Option<Bins>,
@@ -61,7 +63,8 @@ impl<'a> Tiles<'a> {
         options: &RenderOptions<'a>,
     ) -> Result<Self> {
         let planes = planes::written(options, world.scene.render.fur);
-        let size = TileSize::choose(prepared, world, plan, planes, options)?;
+        let objects = planes::objects(options, world);
+        let size = TileSize::choose(prepared, world, plan, planes + planes::of_objects(objects), options)?;
         let buffers =
             TileBuffers::new(prepared.gpu, size.extent, size.list_bytes, prepared.variant.features)?;
         Ok(Self {
@@ -69,6 +72,7 @@ impl<'a> Tiles<'a> {
             world,
             plan,
             planes,
+            objects,
             edge: size.edge,
             buffers,
             bins: None,
@@ -158,7 +162,8 @@ impl<'a> Tiles<'a> {
         let lists = self.buffers.buffer("fragment_lists")?;
         let counters = self.buffers.buffer("march_counters")?;
         let capacity = self.buffers.capacity(samples)?;
-        let pixels = gpu.storage("pixels", 7, count * u64::from(self.planes) * 4)?;
+        let bytes = count * u64::from(self.planes + planes::of_objects(self.objects)) * 4;
+        let pixels = gpu.storage("pixels", 7, bytes)?;
         let targets = self.buffers.targets(size);
         let exact = scene.render.blend == Blend::Exact;
         let (mut fragments, mut counts) = (0, MarchCounts::default());
@@ -170,8 +175,11 @@ impl<'a> Tiles<'a> {
             frame.node_capacity = capacity.min(u64::from(u32::MAX >> 2)) as u32;
             let sorted = Frame { flags: frame.flags | FLAG_SORTED_LISTS, ..frame };
             let frame = gpu.uniform("frame", &frame)?;
-            let reconstruction =
-                gpu.uniform("reconstruction", &self.plan.reconstruction(scene, pass, job.size, self.planes))?;
+            let reconstruction = Reconstruction {
+                objects: self.objects,
+                ..self.plan.reconstruction(scene, pass, job.size, self.planes)
+            };
+            let reconstruction = gpu.uniform("reconstruction", &reconstruction)?;
             let scope = self.buffers.add_to(&self.prepared.scope()).with(&[&frame, &pixels, &reconstruction]);
             let mut recorder = Recorder::new(gpu);
             recorder.clear(lists, (1 + samples) * 4);
@@ -211,8 +219,8 @@ impl<'a> Tiles<'a> {
                     passes.resolve.record_sort(gpu, &mut recorder, &scope, samples, counted.longest)?;
                 recorder.clear(counters, COUNTER_BYTES);
                 if self.prepared.variant.features {
-                    // `resolve` has overwritten the skin's albedo in `samples`.
-                    passes.base_raster.record(&mut recorder, &scope, &targets, self.prepared.triangles)?;
+                    // `resolve` has overwritten the albedo of skin and objects in `samples`.
+                    self.prepared.record_base(&mut recorder, &scope, &targets)?;
                 }
                 passes.resolve.record(&mut recorder, &scope, samples, exact)?;
                 recorder.submit(timings)?;
@@ -221,9 +229,10 @@ impl<'a> Tiles<'a> {
             counts = counts.plus(counted);
             let mut recorder = Recorder::new(gpu);
             passes.film.record(&mut recorder, &scope, count)?;
+            passes.film.record_objects(&mut recorder, &scope, count, self.objects)?;
             recorder.submit(timings)?;
         }
-        let data = gpu.read(&pixels, count * u64::from(self.planes) * 4)?;
+        let data = gpu.read(&pixels, bytes)?;
         Ok(Outcome { fragments, capacity: u64::MAX, pixels: data, counts })
     }
 }

@@ -17,6 +17,7 @@ pub mod guard_shade;
 pub mod guard_splat;
 pub mod lattice;
 pub mod light_occlusion;
+pub mod objects;
 pub mod resolve;
 pub mod shell_entry;
 pub mod shell_lattice;

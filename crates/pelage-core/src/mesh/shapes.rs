@@ -122,8 +122,8 @@ fn plane() -> Mesh {
     grid((N, N), (false, false), |i, j| Vec3::new(at(i), 0.0, -at(j)), uv)
 }
 
-/// Points of a disc of radius 1 for a square from -1 to 1: squares around the middle become circles,
-/// so that no triangle is pinched.
+/// Points of a disc of radius 1 for a square from -1 to 1: squares around the middle become
+/// circles, so that no triangle is pinched.
 // [ShirleyChiu1997]
 fn on_disc([a, b]: [f32; 2]) -> Vec2 {
     let (radius, angle) = match a.abs() > b.abs() {
@@ -150,10 +150,11 @@ fn cube() -> Mesh {
     cube_surface(N, EDGE, |p| Vec3::from_array(p.map(|i| (i as f32 / N as f32 - 0.5) * EDGE)))
 }
 
-/// A closed cylinder of radius 1 cm around the y axis, 10 cm long: 64 x 16 quads around it, and
+/// A closed cylinder of radius 1 cm around the y axis, 10 cm long: 48 x 72 quads around it, and
 /// discs at its ends.
 fn cylinder() -> Mesh {
-    const N: u32 = 16;
+    const N: u32 = 12;
+    const ROWS: u32 = 72;
     const LENGTH: f32 = 10.0;
     // The border of the square of a disc, against the sun as seen from above.
     let border = |i: u32| match i % (4 * N) {
@@ -163,11 +164,11 @@ fn cylinder() -> Mesh {
         i => (0, 4 * N - i),
     };
     let at = |(i, j): (u32, u32)| on_disc([i, j].map(|k| 2.0 * k as f32 / N as f32 - 1.0));
-    let height = |j: u32| LENGTH * (j as f32 / N as f32 - 0.5);
+    let height = |j: u32| LENGTH * (j as f32 / ROWS as f32 - 0.5);
     let around = |i: u32, j: u32| Vec3::new(at(border(i)).x, height(j), -at(border(i)).y);
     let uv = |i: u32, j: u32| Vec2::new(TAU * i as f32 / (4 * N) as f32, height(j) + LENGTH / 2.0) / UV_CM;
-    let mut mesh = grid((4 * N, N), (true, false), around, uv);
-    for (j, up) in [(N, true), (0, false)] {
+    let mut mesh = grid((4 * N, ROWS), (true, false), around, uv);
+    for (j, up) in [(ROWS, true), (0, false)] {
         let end = |i: u32, k: u32| at(if up { (i, k) } else { (N - i, k) });
         let point = |i: u32, k: u32| Vec3::new(end(i, k).x, height(j), -end(i, k).y);
         let cap = grid((N, N), (false, false), point, |i, k| (end(i, k) + 1.0) / UV_CM);

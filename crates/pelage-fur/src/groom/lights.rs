@@ -1,7 +1,7 @@
 //! The lights, as the passes read them.
 
 use crate::layout::{Light, LightParameters, MAX_LIGHTS};
-use crate::material::environment_spread;
+use crate::material::spreads;
 use bytemuck::Zeroable;
 use glam::Vec3;
 use pelage_core::World;
@@ -10,16 +10,16 @@ use pelage_core::World;
 /// luminance.
 // [BT709]
 pub(super) fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
-    let spread = environment_spread(world);
     let mut lights: Vec<Light> = world
         .lights
         .iter()
+        .zip(spreads(world))
         .take(MAX_LIGHTS)
-        .map(|l| Light {
+        .map(|(l, spread)| Light {
             direction: l.direction.into(),
             undercoat: u32::from(l.undercoat),
             irradiance: l.irradiance.into(),
-            spread: if l.environment { spread } else { 0.0 },
+            spread,
         })
         .collect();
     let mut order: Vec<usize> = (0..lights.len()).filter(|i| lights[*i].undercoat == 1).collect();

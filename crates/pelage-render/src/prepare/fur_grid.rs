@@ -2,9 +2,9 @@
 //! an object. Hairs are sampled, so that the time does not depend on their number.
 
 use bytemuck::Zeroable;
-use glam::{Vec2, Vec3};
+use glam::{UVec3, Vec2, Vec3};
 use half::f16;
-use pelage_core::World;
+use pelage_core::{World, stage};
 use pelage_fur::groom::{self, PackedGroom};
 use pelage_fur::guard_strands::strand;
 use pelage_fur::hair_roots::Roots;
@@ -22,17 +22,34 @@ const CELLS: u32 = 128;
 const CELL_BYTES: u64 = 16;
 /// Guard hairs that are sampled, about, if there are more.
 const STRANDS: f64 = 60_000.0;
-/// Parts of a strand's segment, each of which is deposited at its middle.
-const PARTS: u32 = 4;
+/// Largest number of parts of a strand, each of which is deposited at one of its points, drawn at
+/// random, so that strands of one length leave no layers.
+const PARTS: u32 = 128;
 /// Separates the random numbers of samples from those of the fur itself.
 const SAMPLE: u32 = 0x6772_6964;
 /// Points at which the undercoat is sampled, about.
 const POINTS: f64 = 1_500_000.0;
 
-/// Largest size of the grid of a world's fur, bytes.
+/// Sides of a box around the skin with hairs that stand out from it, cm.
+fn expected_box(world: &World) -> Vec3 {
+    let (low, high) = world.skin.bounds();
+    high - low + 2.0 * stage::longest_hair(&world.scene)
+}
+
+/// Expected size of the grid of a world's fur, bytes.
 pub fn grid_bytes(world: &World) -> u64 {
     let fur = groom::has_guard(&world.scene) || groom::has_undercoat(&world.scene);
-    if fur { u64::from(CELLS).pow(3) * CELL_BYTES } else { CELL_BYTES }
+    let side = expected_box(world);
+    if !fur || !(side.min_element() > 0.0) {
+        return CELL_BYTES;
+    }
+    cells_of(side).1.to_array().map(u64::from).iter().product::<u64>() * CELL_BYTES
+}
+
+/// Edge of a cell, and their numbers along the axes, of the grid over a box with these sides.
+fn cells_of(side: Vec3) -> (f32, UVec3) {
+    let cell = side.max_element() * 1.0001 / CELLS as f32;
+    (cell, (side / cell).ceil().as_uvec3().clamp(UVec3::ONE, UVec3::splat(CELLS)))
 }
 
 /// The grid and its cells, as `shared/fur_grid.wgsl` reads them.
@@ -53,8 +70,8 @@ struct Piece {
 }
 
 impl FurCells {
-    /// The grid of the fur of `world` on `shell`, of at most `limit` bytes.
-    pub fn of(world: &World, packed: &PackedGroom, shell: &Shell, limit: u64) -> Self {
+    /// The grid of the fur of `world` on `shell`.
+    pub fn of(world: &World, packed: &PackedGroom, shell: &Shell) -> Self {
         let mut pieces = Vec::new();
         if groom::has_guard(&world.scene) {
             pieces.extend(guard_pieces(world, packed, shell));
@@ -63,10 +80,10 @@ impl FurCells {
             pieces.extend(undercoat_pieces(packed, shell));
         }
         pieces.retain(|p: &Piece| p.area > 0.0 && p.at.is_finite() && p.along.is_finite());
-        Self::deposit(&pieces, limit)
+        Self::deposit(&pieces)
     }
 
-    fn deposit(pieces: &[Piece], limit: u64) -> Self {
+    fn deposit(pieces: &[Piece]) -> Self {
         let (low, high) = pieces
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p.at), high.max(p.at)));
@@ -74,16 +91,7 @@ impl FurCells {
         if pieces.is_empty() || !(longest > 0.0) {
             return Self { grid: FurGrid::zeroed(), cells: vec![[0; 4]] };
         }
-        let mut along = CELLS;
-        let (cell, size) = loop {
-            let cell = longest * 1.0001 / along as f32;
-            let size = ((high - low) / cell).ceil().as_uvec3().max(glam::UVec3::ONE);
-            let bytes = size.to_array().map(u64::from).iter().product::<u64>() * CELL_BYTES;
-            if bytes <= limit || along == 1 {
-                break (cell, size);
-            }
-            along -= 1;
-        };
+        let (cell, size) = cells_of(high - low);
         let mut sums = vec![[0f32; 7]; (size.x * size.y * size.z) as usize];
         for p in pieces {
             let at = ((p.at - low) / cell).as_uvec3().min(size - 1);
@@ -133,17 +141,20 @@ fn guard_pieces(world: &World, packed: &PackedGroom, shell: &Shell) -> Vec<Piece
         });
         grown.collect()
     };
+    let (cell, _) = cells_of(expected_box(world));
     let of_triangle = |prism: u32| {
         let pieces = drawn(prism).into_iter().flat_map(|root| {
             let strand = strand(shell, &maps, &root);
-            let parts = groom.segments * PARTS;
+            let parts =
+                ((strand.length / cell).ceil() as u32).clamp(groom.segments, PARTS.max(groom.segments));
             let mut before = strand.point(0.0);
             (0..parts).map(move |k| {
                 let after = strand.point((k + 1) as f32 / parts as f32);
-                let s = (k as f32 + 0.5) / parts as f32;
+                let part = random(root.seed, 1000 + k);
+                let s = (k as f32 + part) / parts as f32;
                 let way = after - before;
                 let piece = Piece {
-                    at: 0.5 * (before + after),
+                    at: before + part * way,
                     along: way.normalize_or(Vec3::Y),
                     area: way.length() * strand.diameter(s) * strand.opacity(s) / share,
                 };

@@ -3,9 +3,10 @@
 use super::Prepared;
 use super::fur_grid::FurCells;
 use crate::passes::objects::Objects;
+use bytemuck::Zeroable;
 use pelage_core::{Result, Skin, World};
 use pelage_fur::groom::PackedGroom;
-use pelage_fur::layout::{Prism, ShellVertex};
+use pelage_fur::layout::{ObjectMaterials, Prism, ShellVertex};
 use pelage_fur::shell::Shell;
 use pelage_fur::surface::corner_uv;
 use pelage_gpu::{Buffer, Gpu, Recorder, Scope, recorder::RasterTargets};
@@ -107,13 +108,20 @@ impl Prepared<'_> {
             corner_uv: corner_uv(&world.skin),
             light_reach: self.fur.lattice.reach,
         };
-        let fur = FurCells::of(world, packed, &shell, gpu.binding_limit());
+        let mut materials = ObjectMaterials::zeroed();
+        for (to, from) in materials.materials.iter_mut().zip(&packed.objects) {
+            *to = *from;
+        }
+        let fur = FurCells::of(world, packed, &shell);
         self.buffers.extend([
-            gpu.upload("object_materials", 5, &packed.objects)?,
+            gpu.uniform("object_materials", &materials)?,
             gpu.uniform("fur_grid", &fur.grid)?,
             gpu.upload("fur_cells", 5, &fur.cells)?,
         ]);
-        self.objects = Some(PreparedObjects { pass: Objects::new(gpu)?, triangles: triangles as u32 });
+        self.objects = Some(PreparedObjects {
+            pass: Objects::new(gpu, self.variant, self.fur.lights.count)?,
+            triangles: triangles as u32,
+        });
         Ok(())
     }
 

@@ -39,8 +39,10 @@ pub struct Features {
     pub normal: Vec3,
     /// Directions of the hairs.
     pub tangent: Vec3,
-    /// Coverage of guard hairs, undercoat and skin.
+    /// Coverage of guard hairs, undercoat, and skin or object.
     pub coverage: Vec3,
+    /// 0 for the skin, else 1 + number of the object.
+    pub object: u32,
 }
 
 /// The two half floats of a word.
@@ -74,27 +76,53 @@ fn features(words: &[u32]) -> Features {
         normal: Vec3::new(b[1], c[0], c[1]),
         tangent: Vec3::new(d[0], d[1], halves(words[4])[0]),
         coverage: Vec3::from([words[5], words[6], words[7]].map(f32::from_bits)),
+        object: words[4] >> 16,
     }
+}
+
+/// The samples that a pixel is filtered from, with their weights.
+fn around<'a>(
+    frame: &'a Frame,
+    r: &'a Reconstruction,
+    pixel: [u32; 2],
+) -> impl Iterator<Item = ([u32; 2], f64)> + use<'a> {
+    let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
+    let corner = [0, 1].map(|k| r.origin[k] + (pixel[k] * r.grid) as i32 - r.reach);
+    let at = move |k: usize, offset: u32| {
+        (corner[k] + offset as i32).clamp(0, frame.tile_size[k] as i32 - 1) as u32
+    };
+    let taps = (0..r.taps).flat_map(|y| (0..r.taps).map(move |x| (x, y)));
+    taps.map(move |(x, y)| ([at(0, x), at(1, y)], weight(x) * weight(y)))
+}
+
+/// Coverage of an object in a pixel (0: the skin), from samples with features.
+pub fn object_coverage(
+    frame: &Frame,
+    r: &Reconstruction,
+    samples: &[Sample],
+    pixel: [u32; 2],
+    object: u32,
+) -> f64 {
+    let of = |(xy, w): ([u32; 2], f64)| {
+        let features = samples[(xy[1] * frame.tile_size[0] + xy[0]) as usize].features;
+        features.filter(|f| f.object == object).map_or(0.0, |f| w * f64::from(f.coverage.z))
+    };
+    around(frame, r, pixel).map(of).sum::<f64>() * f64::from(r.scale)
 }
 
 /// The planes of a pixel, filtered from the samples around it, in double precision. `frame`: that
 /// of the tile.
 pub fn pixel(frame: &Frame, r: &Reconstruction, samples: &[Sample], pixel: [u32; 2]) -> [f64; PLANES] {
-    let size = frame.tile_size;
-    let weight = |k: u32| f64::from(r.weights[k as usize / 4][k as usize % 4]);
-    let corner = [0, 1].map(|k| r.origin[k] + (pixel[k] * r.grid) as i32 - r.reach);
     let mut sums = [0f64; PLANES];
-    for (y, x) in (0..r.taps).flat_map(|y| (0..r.taps).map(move |x| (y, x))) {
-        let w = weight(x) * weight(y);
-        let at = |k: usize, offset: u32| (corner[k] + offset as i32).clamp(0, size[k] as i32 - 1) as u32;
-        let xy = [at(0, x), at(1, y)];
-        let s = &samples[(xy[1] * size[0] + xy[0]) as usize];
+    for (xy, w) in around(frame, r, pixel) {
+        let s = &samples[(xy[1] * frame.tile_size[0] + xy[0]) as usize];
         let all = s.guard + s.undercoat + s.base;
         let f = s.features.unwrap_or(Features {
             albedo: Vec3::ZERO,
             normal: s.normal.unwrap_or(Vec3::ZERO),
             tangent: Vec3::ZERO,
             coverage: Vec3::ZERO,
+            object: 0,
         });
         let seen = if s.z < 1e30 { 1.0 - s.through } else { 0.0 };
         let z = s.z.min(1e20);
