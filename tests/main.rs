@@ -45,6 +45,7 @@ mod lapped;
 mod layout;
 mod light;
 mod light_occlusion;
+mod light_probe;
 mod maps;
 mod mesh;
 mod mesh_faults;

@@ -43,7 +43,7 @@ impl World {
         skin.notes.extend(crate::parts::notes(&scene));
         let mut notes = skin.notes.clone();
         notes.extend(stage::complete(&mut scene, &skin));
-        let lights = crate::light::lights_of(&scene, assets)?;
+        let lights = crate::light::lights_of(&scene, assets, &mut notes)?;
         let maps = MapSet::load(&scene, assets)?;
         notes.extend(maps.notes.iter().cloned());
         notes.extend(crate::map_detail::notes(&scene, &skin, &maps));

@@ -85,12 +85,9 @@ impl Backdrop {
                     ));
                 }
                 view_of(&scene.camera)?;
-                let panorama = match environment.map.as_str() {
-                    "" => None,
-                    name => Some(Panorama::load(&assets.find(name)?, &environment.layer)?),
-                };
                 Ok(Self::Environment {
-                    panorama,
+                    // Loading the world has reported the notes.
+                    panorama: Panorama::of(environment, assets, &mut Vec::new())?,
                     map_from_world: map_from_world(environment.rotate),
                     factor: Vec3::from(environment.tint) * environment.intensity,
                     camera: scene.camera.clone(),
