@@ -13,6 +13,7 @@ mod bench;
 mod bindings;
 mod blending;
 mod cli;
+mod color_space;
 mod compare;
 mod coverage;
 mod cryptomatte;

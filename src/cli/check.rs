@@ -4,7 +4,6 @@ use super::Global;
 use super::args::SceneArgs;
 use super::output::{self, count, human_bytes};
 use clap::Args;
-use pelage::film::composite::Backdrop;
 use pelage::render::{self, RenderOptions};
 use pelage::scene::Scalar;
 use pelage::{Error, Result, Scene, World};
@@ -72,8 +71,6 @@ const COVERAGE: u64 = 8;
 pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let mut world = World::load(scene, &assets)?;
-    // Whatever rendering refuses is refused here.
-    Backdrop::load(&world.scene, &assets)?;
     output::admit(&mut world, true, global.quiet)?;
     let counts = counts(&world);
     let bytes = bytes(&world, &counts)?;

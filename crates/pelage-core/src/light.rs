@@ -15,6 +15,9 @@ pub const MAX_LIGHTS: usize = 64;
 /// Largest number of directional lights made from an environment map.
 pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
 
+/// The largest half float.
+const LARGEST: f32 = 65504.0;
+
 /// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Light {
@@ -30,7 +33,7 @@ pub struct Light {
 }
 
 /// All directional lights of a scene: the given ones, then those made from the environment map.
-/// Adds what is odd about the map to `notes`.
+/// Adds what is odd about the map, and which lights are too bright for half floats, to `notes`.
 ///
 /// # Errors
 /// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not
@@ -98,7 +101,30 @@ pub fn lights_of(scene: &Scene, assets: &Assets, notes: &mut Vec<String>) -> Res
         let made = environment_lights(environment, assets, notes)?;
         lights.extend(made.into_iter().map(|l| Light { undercoat, ..l }));
     }
+    notes.extend(note_of_bright(&lights));
     Ok(lights)
+}
+
+/// Which lights are so bright that what they light may not fit into half floats.
+fn note_of_bright(lights: &[Light]) -> Option<String> {
+    let bright = |l: &&Light| l.irradiance.max_element() > LARGEST;
+    let first = lights.iter().find(bright)?;
+    let name = if first.environment {
+        "of the environment's lights".to_owned()
+    } else {
+        let numbers: Vec<_> = (0..lights.len())
+            .filter(|i| bright(&&lights[*i]) && !lights[*i].environment)
+            .map(|i| format!("lights[{i}]"))
+            .collect();
+        numbers.join(", ")
+    };
+    let largest = lights.iter().filter(bright).map(|l| l.irradiance.max_element()).fold(0.0, f32::max);
+    Some(format!(
+        "light: {} with an irradiance up to {largest} ({name}), beyond {LARGEST}, the largest half float: bright \
+         parts of the picture may be cut there. Divide all lights by the same factor and raise film.exposure \
+         by its stops",
+        lights.iter().filter(bright).count()
+    ))
 }
 
 /// Numbers of the lights that `scene` gives and of those that its environment is converted to.

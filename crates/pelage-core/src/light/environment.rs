@@ -59,7 +59,7 @@ impl Panorama {
         projection: Option<Projection>,
         notes: &mut Vec<String>,
     ) -> Result<Self> {
-        let film = io::read_asset(path, layer)?;
+        let film = io::read_asset(path, layer, notes)?;
         let mut found = Vec::new();
         let map = Self::from_film(&film, projection, &mut found).map_err(|e| Error::fault(path, e))?;
         let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();

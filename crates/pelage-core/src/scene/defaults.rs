@@ -124,6 +124,7 @@ impl Default for FilmSpec {
             plate: String::new(),
             exposure: 0.0,
             tonemap: Tonemap::Neutral,
+            color_space: OutputSpace::default(),
         }
     }
 }

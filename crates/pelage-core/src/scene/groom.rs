@@ -83,7 +83,8 @@ impl Undercoat {
 }
 
 impl Scene {
-    /// Applies `groom.scale` to the lengths of the coats of the scene and its parts, and sets it to 1.
+    /// Applies `groom.scale` to the lengths of the coats of the scene and its parts, and sets it
+    /// to 1.
     pub(super) fn scale_groom(&mut self) {
         let scale = std::mem::take(&mut self.groom).scale;
         if scale == 1.0 {

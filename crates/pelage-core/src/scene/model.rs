@@ -288,8 +288,8 @@ pub enum Projection {
     /// A light probe, square: the centre shows +z, the right +x, the top +y, as in a mirror ball;
     /// the distance from the centre is the angle, up to -z at the circle.
     Angular,
-    /// A photograph, cropped to a square, of a mirror ball by a distant camera that looks to -z: the
-    /// centre shows +z, the right +x, the top +y, the circle -z.
+    /// A photograph, cropped to a square, of a mirror ball by a distant camera that looks to -z:
+    /// the centre shows +z, the right +x, the top +y, the circle -z.
     MirrorBall,
 }
 
