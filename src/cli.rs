@@ -135,7 +135,7 @@ fn dispatch(cli: &Cli) -> Result<()> {
         Command::Export(args) => export::run(args, &cli.global),
         Command::Bake(args) => bake::run(args, &cli.global),
         Command::Lapped(args) => lapped::run(args, &cli.global),
-        Command::Compare(args) => compare::run(args),
+        Command::Compare(args) => compare::run(args, &cli.global),
         Command::Bench(args) => bench::run(args),
         Command::Figure(args) => figure::run(args),
         Command::Validate(args) => validate::run(args, &cli.global),

@@ -83,7 +83,7 @@ pub use pelage_core::{Error, Result, Scene, SceneFault, Skin, World};
 pub mod scene {
     pub use pelage_core::scene::{
         Animation, Background, BakeSource, Blend, Camera, Color, FieldSource, FilmSpec, Framing, FurLayers,
-        Override, Scalar, Storage, Tonemap, Units, UpAxis, json_schema, template,
+        OutputSpace, Override, Projection, Scalar, Storage, Tonemap, Units, UpAxis, json_schema, template,
     };
 }
 

@@ -382,7 +382,13 @@ fn a_map_keeps_its_directions() {
     let world = World::load(scene, &assets).unwrap();
     let out = Folder::new();
     export::write(&world, &[], &assets, Target::Pbrt, EnvironmentAs::Map, out.path()).unwrap();
-    let sky = pelage_core::light::environment::Panorama::load(&out.path().join("sky.exr"), "").unwrap();
+    let sky = pelage_core::light::environment::Panorama::load(
+        &out.path().join("sky.exr"),
+        "",
+        None,
+        &mut Vec::new(),
+    )
+    .unwrap();
     let side = sky.width;
     let turn = Quat::from_rotation_y(-std::f32::consts::FRAC_PI_2);
     let mut seen = 0;

@@ -27,7 +27,7 @@ fn color(file: &str, layer: &str) -> Result<[f32; 4], String> {
 #[test]
 fn radiance_images_with_any_signature_and_line_ends() {
     for name in ["rgbe_magic.hdr", "crlf.hdr"] {
-        let map = Panorama::load(&folder().join(name), "").unwrap();
+        let map = Panorama::load(&folder().join(name), "", None, &mut Vec::new()).unwrap();
         assert_eq!((map.width, map.height), (32, 16), "{name}");
         // Mantissa 204 and exponent 126: 204 / 256 * 2^-2.
         // One bright spot: mantissas 160, 144 and 120, exponent 134.
@@ -148,7 +148,7 @@ fn more_than_64_lights_are_refused() {
             environment: made.map(|lights| Environment { lights, ..Environment::default() }),
             ..Scene::default()
         };
-        lights_of(&scene, &Assets::default()).map(|l| l.len()).map_err(|e| e.to_string())
+        lights_of(&scene, &Assets::default(), &mut Vec::new()).map(|l| l.len()).map_err(|e| e.to_string())
     };
     assert_eq!(of(64, None), Ok(64));
     assert_eq!(of(2, Some(62)), Ok(64));

@@ -166,6 +166,13 @@ fn gltf_nodes_modes_and_attributes() {
     for wanted in ["\"inside\" lies within the file", "1 primitives of points or lines", "1 other scenes"] {
         assert!(mesh.notes.iter().any(|n| n.contains(wanted)), "{wanted}: {:?}", mesh.notes);
     }
+    let clamped = "4 vertex colours outside 0..1 clamped";
+    assert!(!mesh.notes.iter().any(|n| n == clamped), "{:?}", mesh.notes);
+    // Bytes that the file does not call normalised: 255 and 51 are clamped.
+    folder.write("bytes.glb", files::glb(&document.replace("\"normalized\": true, ", ""), &buffer));
+    let mesh = read(&folder.path().join("bytes.glb")).unwrap();
+    assert_eq!(mesh.colors[0], Vec3::new(1.0, 0.0, 1.0));
+    assert!(mesh.notes.iter().any(|n| n == clamped), "{:?}", mesh.notes);
 }
 
 #[test]
@@ -257,6 +264,10 @@ fn ply_properties_are_read() {
         .replace("255 255 255", "1 1 1");
     let mesh = ply_mesh(&float).unwrap();
     assert!(!mesh.srgb && mesh.colors[0] == Vec3::new(1.0, 0.0, 0.5), "{}", mesh.colors[0]);
+    // What is replaced is counted.
+    let mesh = ply_mesh(&float.replace("1 1 0 0 0 0", "1 1 0 -1 0 0.25")).unwrap();
+    assert_eq!(mesh.colors[2..], [Vec3::new(0.0, 0.0, 0.25), Vec3::ZERO]);
+    assert!(mesh.notes.iter().any(|n| n == "1 vertex colours below 0 clamped"), "{:?}", mesh.notes);
     let folder = Folder::new();
     folder.write("a.ply", &float);
     let spec = MeshSpec { vertex_colors: Some(ColorSpace::Srgb), ..as_it_is() };

@@ -1,6 +1,6 @@
 //! `pelage compare`.
 
-use super::{args, output};
+use super::{Global, args, output};
 use clap::Args;
 use pelage::compare::{self, ErrorImage, Options, Region, Thresholds};
 use pelage::film::{Metadata, io};
@@ -103,9 +103,11 @@ impl Limits {
 ///
 /// # Errors
 /// [`Error::GoalMissed`] if a threshold is exceeded.
-pub(super) fn run(args: &CompareArgs) -> Result<()> {
+pub(super) fn run(args: &CompareArgs, global: &Global) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
-    let (image, reference) = (io::read(&args.a)?, io::read(&args.b)?);
+    let mut notes = Vec::new();
+    let (image, reference) = (io::read_noting(&args.a, &mut notes)?, io::read_noting(&args.b, &mut notes)?);
+    output::print_notes(&notes, global.quiet);
     let options = Options { exposure: args.exposure, band: args.band };
     let result = compare::compare_with(&image, &reference, &options)?;
     if let Some(path) = &args.outfile {

@@ -78,6 +78,19 @@ pub(super) fn print_notes_of_film(film: &Film, world: &World, quiet: bool) -> Re
     Ok(())
 }
 
+/// Warns on stderr of pixels that are brighter than half floats can be.
+pub(super) fn warn_of_cut_pixels(film: &Film) {
+    let n = film.cut_pixels();
+    if n > 0 {
+        eprintln!(
+            "warning: {} of {} pixels are cut at 65504, the largest half float: divide all lights by the same factor \
+             and raise film.exposure by its stops",
+            count(n as u64),
+            count(film.pixels() as u64)
+        );
+    }
+}
+
 /// An exposure as text: `+1.25 stops`.
 pub(super) fn stops(exposure: f32) -> String {
     format!("{exposure:+.2} stops")

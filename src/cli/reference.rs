@@ -105,8 +105,9 @@ const WRITE_EVERY: Duration = Duration::from_secs(60);
 pub(super) fn run(args: &ReferenceArgs, global: &Global) -> Result<()> {
     args.outfile.iter().try_for_each(io::check_writable)?;
     let (scene, assets) = args.scene.load()?;
-    let backdrop = Backdrop::load(&scene, &assets)?;
     let mut world = World::load(scene, &assets)?;
+    // Seen by the camera that the world has chosen, if it had to.
+    let backdrop = Backdrop::load(&world.scene, &assets)?;
     output::admit(&mut world, args.patch.is_none(), global.quiet)?;
     let limited = args.time.is_some() || args.error.is_some();
     let mut options = Options {

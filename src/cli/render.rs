@@ -185,6 +185,9 @@ fn picture(
     if let Some(crop) = args.cropwindow {
         pelage::film::composite::clear_outside(&mut frame.film, crop);
     }
+    if !global.quiet {
+        output::warn_of_cut_pixels(&frame.film);
+    }
     for path in outfile {
         io::write(&frame.film, path, &metadata, &scene.film)?;
     }

@@ -40,7 +40,7 @@ pub fn world_on(text: &str, skin: Option<Skin>, images: Vec<MapImage>) -> World 
     let assets = Assets::default();
     let skin = skin
         .unwrap_or_else(|| pelage_core::mesh::load(&scene.mesh, &|name| assets.find(name)).expect("a mesh"));
-    let lights = pelage_core::light::lights_of(&scene, &assets).expect("lights");
+    let lights = pelage_core::light::lights_of(&scene, &assets, &mut Vec::new()).expect("lights");
     World {
         scene,
         skin,

@@ -2,7 +2,8 @@
 //!
 //! [`filter`] gives the weights with which samples become pixels, [`depth_of_field`] and
 //! [`composite`] change the film, [`cryptomatte`] adds mattes, and [`io`] writes and reads it
-//! (through [`exr`], [`png`] and [`tonemap`]) with its [`metadata`]; [`tev`] shows it.
+//! (through [`exr`], [`png`], [`primaries`] and [`tonemap`]) with its [`metadata`]; [`tev`] shows
+//! it.
 
 pub mod composite;
 pub mod cryptomatte;
@@ -15,6 +16,7 @@ pub mod io;
 mod limits;
 pub mod metadata;
 pub mod png;
+pub mod primaries;
 pub mod resample;
 pub mod tev;
 pub mod tonemap;
@@ -136,6 +138,15 @@ impl Film {
             }
         }
         Ok(())
+    }
+
+    /// Number of pixels of which a channel `R G B` is, or will be, cut at the largest half float
+    /// (65504).
+    pub fn cut_pixels(&self) -> usize {
+        let halves = |name| self.planes.iter().find(|p| p.name == name && !p.full_precision);
+        let planes: Vec<_> = ["R", "G", "B"].into_iter().filter_map(halves).collect();
+        // Samples were cut before they were summed to pixels, with rounding.
+        (0..self.pixels()).filter(|i| planes.iter().any(|p| p.data[*i].abs() > 65_500.0)).count()
     }
 
     /// The plane called `name`.

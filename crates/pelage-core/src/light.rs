@@ -1,6 +1,7 @@
 //! Lights: a scene's lights and its environment as a list of directional lights.
 
 pub mod environment;
+pub mod probe;
 
 use crate::assets::Assets;
 use crate::scene::{Environment, Shading};
@@ -13,6 +14,9 @@ pub const MAX_LIGHTS: usize = 64;
 
 /// Largest number of directional lights made from an environment map.
 pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
+
+/// The largest half float.
+const LARGEST: f32 = 65504.0;
 
 /// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -29,12 +33,13 @@ pub struct Light {
 }
 
 /// All directional lights of a scene: the given ones, then those made from the environment map.
+/// Adds what is odd about the map, and which lights are too bright for half floats, to `notes`.
 ///
 /// # Errors
 /// [`Error::Scene`] for directions of length 0, irradiances and factors that are negative or not
 /// finite, a number of environment lights outside 1..=64, more than [`MAX_LIGHTS`] lights, and a
 /// map that is missing or damaged. Faults of values come all together.
-pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
+pub fn lights_of(scene: &Scene, assets: &Assets, notes: &mut Vec<String>) -> Result<Vec<Light>> {
     let mut faults = Vec::new();
     let mut fault = |place: String, message: String| {
         faults.push(SceneFault { file: place.into(), line: 0, column: 0, message, help: None });
@@ -93,9 +98,33 @@ pub fn lights_of(scene: &Scene, assets: &Assets) -> Result<Vec<Light>> {
     }
     if let Some(environment) = &scene.environment {
         let undercoat = environment.undercoat && scene.render.shading != Shading::Paper;
-        lights.extend(environment_lights(environment, assets)?.into_iter().map(|l| Light { undercoat, ..l }));
+        let made = environment_lights(environment, assets, notes)?;
+        lights.extend(made.into_iter().map(|l| Light { undercoat, ..l }));
     }
+    notes.extend(note_of_bright(&lights));
     Ok(lights)
+}
+
+/// Which lights are so bright that what they light may not fit into half floats.
+fn note_of_bright(lights: &[Light]) -> Option<String> {
+    let bright = |l: &&Light| l.irradiance.max_element() > LARGEST;
+    let first = lights.iter().find(bright)?;
+    let name = if first.environment {
+        "of the environment's lights".to_owned()
+    } else {
+        let numbers: Vec<_> = (0..lights.len())
+            .filter(|i| bright(&&lights[*i]) && !lights[*i].environment)
+            .map(|i| format!("lights[{i}]"))
+            .collect();
+        numbers.join(", ")
+    };
+    let largest = lights.iter().filter(bright).map(|l| l.irradiance.max_element()).fold(0.0, f32::max);
+    Some(format!(
+        "light: {} with an irradiance up to {largest} ({name}), beyond {LARGEST}, the largest half float: bright \
+         parts of the picture may be cut there. Divide all lights by the same factor and raise film.exposure \
+         by its stops",
+        lights.iter().filter(bright).count()
+    ))
 }
 
 /// Numbers of the lights that `scene` gives and of those that its environment is converted to.
@@ -112,12 +141,15 @@ pub(crate) fn too_many(given: usize, made: usize) -> String {
 }
 
 /// The environment as directional lights in world space.
-fn environment_lights(environment: &Environment, assets: &Assets) -> Result<Vec<Light>> {
+fn environment_lights(
+    environment: &Environment,
+    assets: &Assets,
+    notes: &mut Vec<String>,
+) -> Result<Vec<Light>> {
     let factor = Vec3::from(environment.tint) * environment.intensity;
-    if environment.map.is_empty() {
+    let Some(panorama) = Panorama::of(environment, assets, notes)? else {
         return Ok(uniform_sky(factor, environment.lights));
-    }
-    let panorama = Panorama::load(&assets.find(&environment.map)?, &environment.layer)?;
+    };
     let world_from_map = map_from_world(environment.rotate).inverse();
     Ok(median_cut(&panorama, environment.lights)
         .into_iter()

@@ -13,6 +13,9 @@ pub const VERTEX_COLOR: &str = "vertex_color";
 /// Images that are wider or higher than this many texels are reduced to it.
 pub const MAX_SIDE: u32 = 2048;
 
+/// Largest value of a map: the largest half float.
+const LARGEST: f32 = 65504.0;
+
 /// Length that an image covers at scale 1 where it is looked up without uv, cm.
 pub const TRIPLANAR_CM: f32 = 10.0;
 
@@ -154,23 +157,17 @@ fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, &'a str, bool)> {
     scalars.chain(colors).collect()
 }
 
-/// Reads one image, replaces values that are not finite by 0, and reduces it to [`MAX_SIDE`].
+/// Reads one image, brings its values into the range that maps may have, and reduces it to
+/// [`MAX_SIDE`].
 fn load_image(
     path: &Path,
     [name, layer]: [&str; 2],
     color: bool,
     notes: &mut Vec<String>,
 ) -> Result<MapImage> {
-    let (width, height, texels) = io::read_texels(path, layer, color)?;
+    let (width, height, texels) = io::read_texels(path, layer, color, notes)?;
     let mut image = MapImage { name: name.to_owned(), layer: layer.to_owned(), color, width, height, texels };
-    let mut bad = 0;
-    for v in image.texels.iter_mut().flatten().filter(|v| !v.is_finite()) {
-        *v = 0.0;
-        bad += 1;
-    }
-    if bad > 0 {
-        notes.push(format!("{name}: {bad} values that are not finite numbers, set to 0"));
-    }
+    notes.extend(image.limited().into_iter().map(|note| format!("{name}: {note}")));
     if width > MAX_SIDE || height > MAX_SIDE {
         image = image.reduced();
         notes.push(format!("{name}: reduced from {width}x{height} to {}x{}", image.width, image.height));
@@ -179,6 +176,32 @@ fn load_image(
 }
 
 impl MapImage {
+    /// Replaces values that are not finite by 0, cuts those that half floats do not hold, as the
+    /// GPU reads them, and sets negative channels of a colour to 0. Returns a note with the number
+    /// of values for each of these.
+    fn limited(&mut self) -> Vec<String> {
+        let (mut odd, mut large, mut negative) = (0, 0, 0);
+        for texel in &mut self.texels {
+            for (c, v) in texel.iter_mut().enumerate() {
+                if !v.is_finite() {
+                    (*v, odd) = (0.0, odd + 1);
+                } else if v.abs() > LARGEST {
+                    (*v, large) = (v.clamp(-LARGEST, LARGEST), large + 1);
+                }
+                if self.color && c < 3 && *v < 0.0 {
+                    (*v, negative) = (0.0, negative + 1);
+                }
+            }
+        }
+        let note = |n: usize, what: String| (n > 0).then(|| format!("{n} values {what}"));
+        let all = [
+            note(odd, "that are not finite numbers, set to 0".into()),
+            note(large, format!("beyond {LARGEST}, the largest half float, cut to it")),
+            note(negative, "of colours below 0, set to 0".into()),
+        ];
+        all.into_iter().flatten().collect()
+    }
+
     /// The texel at column x and row y, which wrap around if they are one step outside.
     fn texel(&self, x: i32, y: i32) -> Vec4 {
         let wrap = |i: i32, n: u32| (i + n as i32) as usize % n as usize;

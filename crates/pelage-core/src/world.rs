@@ -1,9 +1,11 @@
 //! The loaded scene: everything that the passes read, in world space and physical units.
 
 use crate::assets::Assets;
+use crate::film::composite::load_plate;
 use crate::light::Light;
 use crate::maps::{self, MapSet};
 use crate::objects::{self, Object};
+use crate::scene::Background;
 use crate::{Error, Result, Scene, Skin, stage};
 
 /// A scene with its assets.
@@ -51,8 +53,9 @@ impl World {
     /// Loads the files that `scene` names, and completes its camera and light where it gives none.
     ///
     /// # Errors
-    /// [`crate::Error::Scene`] for files that are missing or damaged and for lights that make no
-    /// sense; [`crate::Error::Io`] where a mesh cannot be read.
+    /// [`crate::Error::Scene`] for files that are missing or damaged, the plate behind the fur
+    /// included, and for lights that make no sense; [`crate::Error::Io`] where a mesh cannot be
+    /// read.
     pub fn load(mut scene: Scene, assets: &Assets) -> Result<Self> {
         let mut skin = crate::mesh::load(&scene.mesh, &|name| assets.find(name))?;
         if !skin.colored && maps::uses_vertex_color(&scene) {
@@ -64,7 +67,11 @@ impl World {
         let mut notes = skin.notes.clone();
         notes.extend(objects.iter().flat_map(|o| o.surface.notes.iter().cloned()));
         notes.extend(stage::complete(&mut scene, &skin));
-        let lights = crate::light::lights_of(&scene, assets)?;
+        let lights = crate::light::lights_of(&scene, assets, &mut notes)?;
+        if scene.film.background == Background::Plate {
+            // Read again for each picture; here its faults and notes count.
+            load_plate(&scene, assets, &mut notes)?;
+        }
         let maps = MapSet::load(&scene, assets)?;
         notes.extend(maps.notes.iter().cloned());
         notes.extend(crate::map_detail::notes(&scene, &skin, &maps));

@@ -30,10 +30,10 @@ impl Sky {
     /// As [`Panorama::load`].
     pub fn load(spec: &Environment, assets: &Assets) -> Result<Self> {
         let factor = Vec3::from(spec.tint) * spec.intensity;
-        if spec.map.is_empty() {
+        // Loading the world has reported the notes.
+        let Some(mut panorama) = Panorama::of(spec, assets, &mut Vec::new())? else {
             return Ok(Self::Uniform(factor));
-        }
-        let mut panorama = Panorama::load(&assets.find(&spec.map)?, &spec.layer)?;
+        };
         for texel in &mut panorama.texels {
             *texel = (Vec3::from(*texel) * factor).into();
         }

@@ -65,11 +65,11 @@ impl Sky {
         if factor.max_element() <= 0.0 {
             return Ok(None);
         }
-        if environment.map.is_empty() {
-            return Ok(Some(Self::uniform(factor)));
-        }
-        let panorama = Panorama::load(&assets.find(&environment.map)?, &environment.layer)?;
-        Ok(Self::of(panorama, environment.rotate, factor))
+        // Loading the world has reported the notes.
+        Ok(match Panorama::of(environment, assets, &mut Vec::new())? {
+            Some(panorama) => Self::of(panorama, environment.rotate, factor),
+            None => Some(Self::uniform(factor)),
+        })
     }
 
     /// The same radiance from everywhere.

@@ -50,27 +50,8 @@ impl Backdrop {
         match scene.film.background {
             Background::Transparent => Ok(Self::Transparent),
             Background::Color => Ok(Self::Color(scene.film.background_color)),
-            Background::Plate => {
-                if scene.film.plate.is_empty() {
-                    return Err(Error::fault(
-                        "film.plate",
-                        "found no name, expected an image file because film.background is \"plate\"",
-                    ));
-                }
-                let path = assets.find(&scene.film.plate)?;
-                let film = io::read_asset(&path, "")?;
-                let pixels = film.premultiplied()?;
-                if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
-                    let (x, y) = (i % film.width as usize, i / film.width as usize);
-                    return Err(Error::fault(
-                        &path,
-                        format!(
-                            "found a pixel at {x}, {y} that is not a finite number, expected finite values"
-                        ),
-                    ));
-                }
-                Ok(Self::Plate(pixels, [film.width as usize, film.height as usize]))
-            }
+            // Loading the world has reported the notes.
+            Background::Plate => load_plate(scene, assets, &mut Vec::new()),
             Background::Environment => {
                 let Some(environment) = &scene.environment else {
                     return Err(Error::fault(
@@ -85,12 +66,9 @@ impl Backdrop {
                     ));
                 }
                 view_of(&scene.camera)?;
-                let panorama = match environment.map.as_str() {
-                    "" => None,
-                    name => Some(Panorama::load(&assets.find(name)?, &environment.layer)?),
-                };
                 Ok(Self::Environment {
-                    panorama,
+                    // Loading the world has reported the notes.
+                    panorama: Panorama::of(environment, assets, &mut Vec::new())?,
                     map_from_world: map_from_world(environment.rotate),
                     factor: Vec3::from(environment.tint) * environment.intensity,
                     camera: scene.camera.clone(),
@@ -157,6 +135,31 @@ impl Backdrop {
         film.set_premultiplied(&pixels);
         Ok(())
     }
+}
+
+/// Loads the plate of a scene; adds what was changed in it to `notes`.
+///
+/// # Errors
+/// [`Error::Scene`] if it has none, or one that is missing or damaged, or holds values that are not
+/// finite.
+pub(crate) fn load_plate(scene: &Scene, assets: &Assets, notes: &mut Vec<String>) -> Result<Backdrop> {
+    if scene.film.plate.is_empty() {
+        return Err(Error::fault(
+            "film.plate",
+            "found no name, expected an image file because film.background is \"plate\"",
+        ));
+    }
+    let path = assets.find(&scene.film.plate)?;
+    let film = io::read_asset(&path, "", notes)?;
+    let pixels = film.premultiplied()?;
+    if let Some(i) = pixels.iter().position(|p| p.iter().any(|v| !v.is_finite())) {
+        let (x, y) = (i % film.width as usize, i / film.width as usize);
+        return Err(Error::fault(
+            &path,
+            format!("found a pixel at {x}, {y} that is not a finite number, expected finite values"),
+        ));
+    }
+    Ok(Backdrop::Plate(pixels, [film.width as usize, film.height as usize]))
 }
 
 /// First pixel, and pixel after the last, of the part `crop` (x0 x1 y0 y1 in 0..1) of a film of

@@ -1,7 +1,9 @@
 //! OpenEXR: all planes, linear, half float for colours and 32-bit float for the rest.
 
+use super::primaries::{self, Primaries, REC709};
 use super::{Film, Metadata, Plane, limits::check_size};
 use crate::files::Failure;
+use crate::scene::OutputSpace;
 use ::exr::{
     image::{AnyChannel, AnyChannels, Encoding, FlatSamples, Image, Layer},
     meta::{
@@ -21,20 +23,34 @@ use std::{
 /// Prefix of the metadata's keys in a file.
 const PREFIX: &str = "pelage.";
 
-/// Primaries of ITU-R BT.709 and the white point D65: what linear RGB means here.
-const REC709: Chromaticities = Chromaticities {
-    red: Vec2(0.64, 0.33),
-    green: Vec2(0.3, 0.6),
-    blue: Vec2(0.15, 0.06),
-    white: Vec2(0.3127, 0.329),
-};
+fn attribute_of(p: Primaries) -> Chromaticities {
+    let [red, green, blue] = p.rgb.map(|[x, y]| Vec2(x, y));
+    Chromaticities { red, green, blue, white: Vec2(p.white[0], p.white[1]) }
+}
 
-/// Encodes one part with a channel per plane, losslessly compressed. The bytes depend on the film
-/// and `meta` alone.
+fn primaries_of(a: Chromaticities) -> Primaries {
+    let pair = |v: Vec2<f32>| [v.x(), v.y()];
+    Primaries { rgb: [a.red, a.green, a.blue].map(pair), white: pair(a.white) }
+}
+
+/// Encodes one part with a channel per plane, losslessly compressed; colours in `space`. The bytes
+/// depend on the arguments alone.
 ///
 /// Finite values beyond the range of half are clamped to it (65504); write them with
 /// `full_precision` to keep them.
-pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<(), Failure> {
+pub(super) fn encode(
+    film: &Film,
+    file: &mut File,
+    meta: &Metadata,
+    space: OutputSpace,
+) -> Result<(), Failure> {
+    let primaries = Primaries::of(space);
+    let mut converted = None;
+    if space != OutputSpace::Rec709 {
+        let matrix = REC709.to(&primaries).ok_or("found primaries on a line")?;
+        primaries::convert(converted.insert(film.clone()), &matrix);
+    }
+    let film = converted.as_ref().unwrap_or(film);
     let channels = film.planes.par_iter().map(|plane| {
         let samples = if plane.full_precision {
             FlatSamples::F32(plane.data.clone())
@@ -46,6 +62,8 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
     let channels: Vec<_> = channels.collect();
     let mut attributes = LayerAttributes {
         software_name: Some(text(concat!("pelage ", env!("CARGO_PKG_VERSION")))),
+        // The white that viewers should show as white, where it is not the usual one.
+        adopted_neutral: converted.as_ref().map(|_| Vec2(primaries.white[0], primaries.white[1])),
         ..LayerAttributes::default()
     };
     for (key, value) in &meta.entries {
@@ -68,7 +86,7 @@ pub(super) fn encode(film: &Film, file: &mut File, meta: &Metadata) -> Result<()
     );
     let mut out = BufWriter::new(&mut *file);
     let mut image = Image::from_layer(layer);
-    image.attributes.chromaticities = Some(REC709);
+    image.attributes.chromaticities = Some(attribute_of(primaries));
     image.write().to_buffered(&mut out)?;
     out.flush()?;
     drop(out);
@@ -126,8 +144,15 @@ fn zero_terminated(input: &mut impl Read) -> Result<Vec<u8>, Failure> {
 }
 
 /// Decodes all channels of all parts. `bytes` is the length of the file. `R G B A` become those of
-/// `layer`; where it is empty, of the first layer that has them.
-pub(super) fn decode(input: &mut BufReader<File>, bytes: u64, layer: &str) -> Result<Film, Failure> {
+/// `layer`; where it is empty, of the first layer that has them. `color`: colours become those of
+/// Rec. 709 where the file names other primaries, which is added to `notes`.
+pub(super) fn decode(
+    input: &mut BufReader<File>,
+    bytes: u64,
+    layer: &str,
+    color: bool,
+    notes: &mut Vec<String>,
+) -> Result<Film, Failure> {
     let headers = MetaData::read_from_buffered(&mut *input, false)?.headers;
     check_headers(&headers, bytes)?;
     input.rewind()?;
@@ -157,10 +182,29 @@ pub(super) fn decode(input: &mut BufReader<File>, bytes: u64, layer: &str) -> Re
             film.planes.push(Plane { name, full_precision, data });
         }
     }
+    film.validate()?;
+    if let Some(found) = image.attributes.chromaticities.filter(|_| color) {
+        to_rec709(&mut film, &primaries_of(found), notes);
+    }
     select(&mut film, layer)?;
     complete(&mut film)?;
     film.validate()?;
     Ok(film)
+}
+
+/// Converts the colours of a film with the given primaries.
+fn to_rec709(film: &mut Film, found: &Primaries, notes: &mut Vec<String>) {
+    if found.is(&REC709) {
+        return;
+    }
+    match found.to(&REC709) {
+        Some(matrix) => {
+            primaries::convert(film, &matrix);
+            let name = if found.is(&primaries::AP1) { " (ACEScg)" } else { "" };
+            notes.push(format!("its primaries are {found}{name}: converted to Rec. 709"));
+        }
+        None => notes.push(format!("warning: its primaries make no sense ({found}): read as Rec. 709")),
+    }
 }
 
 /// Checks everything that the header says before the pixels are allocated.

@@ -18,9 +18,9 @@ fn wrong_usage(path: &Path, message: &str) -> Error {
     Error::Usage(format!("{}: {message}", path.display()))
 }
 
-/// Writes `film` to `path`: all planes, linear, as EXR; or `R G B A` as 8-bit sRGB PNG through
-/// exposure and tone mapping of `spec`. The file appears complete or not at all; an old one stays
-/// if writing fails.
+/// Writes `film` to `path`: all planes, linear, in the colour space of `spec`, as EXR; or `R G B A`
+/// as 8-bit sRGB PNG through exposure and tone mapping of `spec`. The file appears complete or not
+/// at all; an old one stays if writing fails.
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown extension, [`Error::Unsupported`] for a film with missing
@@ -30,7 +30,7 @@ pub fn write(film: &Film, path: impl AsRef<Path>, meta: &Metadata, spec: &FilmSp
     let format = Format::to_write(path).map_err(|m| wrong_usage(path, &m))?;
     film.validate()?;
     match format {
-        Format::Exr => write_atomically(path, |file| exr::encode(film, file, meta)),
+        Format::Exr => write_atomically(path, |file| exr::encode(film, file, meta, spec.color_space)),
         _ => {
             let pixels = film.premultiplied()?;
             write_buffered(path, |out| png::encode(film.width, film.height, &pixels, out, meta, spec))
@@ -60,7 +60,8 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
 /// * HDR (Radiance): RGBE.
 /// * JPEG, TIFF, TGA, BMP and WebP: decoded from sRGB; TIFF with floats is linear.
 ///
-/// A missing alpha is 1 everywhere.
+/// A missing alpha is 1 everywhere. Colours of an EXR file that names other primaries than those of
+/// Rec. 709 are converted, with a note.
 ///
 /// # Errors
 /// [`Error::Usage`] for an unknown format; [`Error::Io`] with the file name for a missing,
@@ -68,32 +69,57 @@ pub fn check_writable(path: impl AsRef<Path>) -> Result<()> {
 /// [`MAX_VALUES`], and for what is not supported: deep data, subsampled channels, a data window
 /// other than the display window, HDR orientations other than -Y +X.
 pub fn read(path: impl AsRef<Path>) -> Result<Film> {
-    let path = path.as_ref();
-    let format = Format::to_read(path).map_err(|m| wrong_usage(path, &m))?;
-    read_format(path, format, "")
+    read_noting(path, &mut Vec::new())
 }
 
-fn read_format(path: &Path, format: Format, layer: &str) -> Result<Film> {
+/// [`read`], which adds what was changed to `notes`.
+///
+/// # Errors
+/// As [`read`].
+pub fn read_noting(path: impl AsRef<Path>, notes: &mut Vec<String>) -> Result<Film> {
+    let path = path.as_ref();
+    let format = Format::to_read(path).map_err(|m| wrong_usage(path, &m))?;
+    read_format(path, format, "", true, notes)
+}
+
+fn read_format(
+    path: &Path,
+    format: Format,
+    layer: &str,
+    color: bool,
+    notes: &mut Vec<String>,
+) -> Result<Film> {
     if format != Format::Exr && !layer.is_empty() {
         let found = format!("found layer = \"{layer}\", but only OpenEXR images have layers: leave it out");
         return Err(Error::io(path, found));
     }
-    decode(path, |input, bytes| match format {
-        Format::Exr => exr::decode(input, bytes, layer),
+    let mut found = Vec::new();
+    let film = decode(path, |input, bytes| match format {
+        Format::Exr => exr::decode(input, bytes, layer, color, &mut found),
         Format::Png => png::decode(input),
         Format::Hdr => decode_hdr(input),
         Format::Other(kind) => Ok(png::premultiplied(decode_other(input, kind, true)?)),
-    })
+    })?;
+    let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+    notes.extend(found.into_iter().map(|note| match note.strip_prefix("warning: ") {
+        Some(rest) => format!("warning: {name}: {rest}"),
+        None => format!("{name}: {note}"),
+    }));
+    Ok(film)
 }
 
 /// [`read`] for an image that a scene names. `R G B A` are those of `layer`; where it is empty, of
-/// the first layer that has them.
+/// the first layer that has them. Adds what was changed to `notes`.
 ///
 /// # Errors
 /// [`Error::Scene`] where [`read`] fails, and for a layer that the image does not have.
-pub(crate) fn read_asset(path: &Path, layer: &str) -> Result<Film> {
+pub(crate) fn read_asset(path: &Path, layer: &str, notes: &mut Vec<String>) -> Result<Film> {
+    asset(path, layer, true, notes)
+}
+
+fn asset(path: &Path, layer: &str, color: bool, notes: &mut Vec<String>) -> Result<Film> {
     let format = Format::to_read(path).map_err(|m| Error::fault(path, m))?;
-    read_format(path, format, layer).map_err(as_scene_fault)
+    read_format(path, format, layer, color, notes).map_err(as_scene_fault)
 }
 
 fn as_scene_fault(error: Error) -> Error {
@@ -104,12 +130,12 @@ fn as_scene_fault(error: Error) -> Error {
 }
 
 /// Reads an image that a scene names, with straight alpha. As a `color`, formats of integers are
-/// decoded to linear and premultiplied formats are divided by alpha; otherwise the values are as
-/// the file has them, integers scaled to 0..1.
+/// decoded to linear, other primaries are converted and premultiplied formats are divided by alpha;
+/// otherwise the values are as the file has them, integers scaled to 0..1.
 ///
 /// # Errors
 /// As [`read_asset`].
-pub(crate) fn read_texels(path: &Path, layer: &str, color: bool) -> Result<Texels> {
+pub(crate) fn read_texels(path: &Path, layer: &str, color: bool, notes: &mut Vec<String>) -> Result<Texels> {
     let format = Format::to_read(path);
     match format {
         Ok(Format::Png) if layer.is_empty() => {
@@ -120,7 +146,7 @@ pub(crate) fn read_texels(path: &Path, layer: &str, color: bool) -> Result<Texel
         }
         _ => {}
     }
-    let film = read_asset(path, layer)?;
+    let film = asset(path, layer, color, notes)?;
     let mut texels = film.premultiplied()?;
     if color {
         for [rgb @ .., alpha] in texels.iter_mut().filter(|t| t[3] > 0.0) {

@@ -1,12 +1,16 @@
-//! Equirectangular environment maps and their conversion to a few directional lights.
+//! Equirectangular environment maps and their conversion to a few directional lights. Light probes
+//! become such maps when they are read.
 //!
 //! Convention: the centre column of the map looks to -Z, columns to the right of it towards +X, the
 //! top row to +Y. `environment.rotate` turns the map about +Y, counter-clockwise seen from above
 //! (right-handed).
 
 use super::Light;
+use super::probe;
+use crate::assets::Assets;
 use crate::film::tonemap::luminance;
 use crate::film::{Film, io};
+use crate::scene::{Environment, Projection};
 use crate::{Error, Result};
 use glam::{DVec3, Quat, Vec3};
 use std::{f64::consts::PI, path::Path};
@@ -28,38 +32,96 @@ pub struct Panorama {
 }
 
 impl Panorama {
-    /// Reads an image file; of an EXR, `layer`, or the default one if that is empty.
+    /// The map of an environment; `None` for a uniform sky. Adds what was changed in it, or is odd,
+    /// to `notes`.
+    ///
+    /// # Errors
+    /// [`Error::Scene`] if the file is missing, and as [`Panorama::load`].
+    pub fn of(environment: &Environment, assets: &Assets, notes: &mut Vec<String>) -> Result<Option<Self>> {
+        if environment.map.is_empty() {
+            return Ok(None);
+        }
+        let path = assets.find(&environment.map)?;
+        Self::load(&path, &environment.layer, environment.projection, notes).map(Some)
+    }
+
+    /// Reads an image file; of an EXR, `layer`, or the default one if that is empty. Light probes
+    /// are resampled ([`probe::Probe::panorama`]). Adds what was changed, or is odd, to `notes`.
     ///
     /// # Errors
     /// [`Error::Scene`] if the file is missing, damaged, larger than [`io::MAX_PIXELS`] or holds
-    /// values that are not finite; [`Error::Usage`] for an unknown extension.
-    pub fn load(path: &Path, layer: &str) -> Result<Self> {
-        let film = io::read_asset(path, layer)?;
-        Self::from_film(&film).map_err(|reason| Error::fault(path, reason))
+    /// values that are not finite; for a light probe that is not square, and for a square image
+    /// that looks like a light probe where `projection` does not say what it is; [`Error::Usage`]
+    /// for an unknown extension.
+    pub fn load(
+        path: &Path,
+        layer: &str,
+        projection: Option<Projection>,
+        notes: &mut Vec<String>,
+    ) -> Result<Self> {
+        let film = io::read_asset(path, layer, notes)?;
+        let mut found = Vec::new();
+        let map = Self::from_film(&film, projection, &mut found).map_err(|e| Error::fault(path, e))?;
+        let name = path.file_name().unwrap_or(path.as_os_str()).to_string_lossy();
+        notes.extend(found.into_iter().map(|note| format!("environment map {name}: {note}")));
+        Ok(map)
     }
 
-    /// A map from `R G B` of a film. Negative values (ringing of a resampled map) become 0.
+    /// A map from `R G B` of a film, and notes of what was changed or is odd. Negative values
+    /// (ringing of a resampled map) become 0. Values of a light probe outside its circle do not
+    /// count.
     ///
     /// # Errors
-    /// A message if a plane is missing or a value is not finite.
-    pub fn from_film(film: &Film) -> Result<Self, String> {
+    /// A message if a plane is missing or a value is not finite; for light probes as
+    /// [`Panorama::load`].
+    pub fn from_film(
+        film: &Film,
+        projection: Option<Projection>,
+        notes: &mut Vec<String>,
+    ) -> Result<Self, String> {
         let pixels = film.premultiplied().map_err(|e| e.to_string())?;
-        let bad = pixels.iter().filter(|p| !p[..3].iter().all(|v| v.is_finite())).count();
+        let (width, height) = (film.width as usize, film.height as usize);
+        let probe = projection.and_then(Projection::probe);
+        if let Some(probe) = probe
+            && width != height
+        {
+            return Err(format!(
+                "found {width} x {height} pixels, expected a square image because environment.projection is \
+                 \"{}\": crop it to the square around the circle",
+                probe.name()
+            ));
+        }
+        let counts = |i: usize| probe.is_none() || probe::counts(width, [i % width, i / width]);
+        let used = || pixels.iter().enumerate().filter(|(i, _)| counts(*i)).map(|(_, p)| &p[..3]);
+        let bad = used().filter(|p| !p.iter().all(|v| v.is_finite())).count();
         if bad > 0 {
             return Err(format!(
                 "found {bad} of {} pixels infinite or not a number: save the map with finite values (half float holds up to 65504)",
                 pixels.len()
             ));
         }
-        if film.width != 2 * film.height {
-            tracing::warn!(
-                "environment map of {} x {}: an equirectangular map is twice as wide as high",
-                film.width,
-                film.height
-            );
+        let negative = used().filter(|p| p.iter().any(|v| *v < 0.0)).count();
+        if negative > 0 {
+            notes.push(format!("{negative} of {} pixels have negative values, set to 0", pixels.len()));
         }
-        let texels = pixels.iter().map(|p| [p[0].max(0.0), p[1].max(0.0), p[2].max(0.0)]).collect();
-        Ok(Self { width: film.width as usize, height: film.height as usize, texels })
+        let texels: Vec<_> = pixels.iter().map(|p| [p[0].max(0.0), p[1].max(0.0), p[2].max(0.0)]).collect();
+        if let Some(probe) = probe {
+            return probe.panorama(width, &texels);
+        }
+        if projection.is_none() && width == height && probe::looks_like_probe(width, &texels) {
+            return Err(format!(
+                "found a square image of {width} x {height} pixels that is black outside a circle, which is a light \
+                 probe: set environment.projection to \"angular\" or \"mirror_ball\" (or to \"equirectangular\")"
+            ));
+        }
+        if projection.is_none() && width != 2 * height {
+            notes.push(format!(
+                "found {width} x {height} pixels, taken as an equirectangular map, which is twice as wide as high: \
+                 what it shows is stretched. For a light probe set environment.projection to \"angular\" or \
+                 \"mirror_ball\"; \"equirectangular\" silences this note"
+            ));
+        }
+        Ok(Self { width, height, texels })
     }
 
     /// Radiance that comes from `direction` (map space, any length), bilinear between texel

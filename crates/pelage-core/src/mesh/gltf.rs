@@ -5,7 +5,7 @@ mod accessor;
 mod buffers;
 
 use super::read::{Limits, guarded};
-use super::{Mesh, MeshKind, Sections};
+use super::{Mesh, MeshKind, Sections, colors};
 use crate::scene::Units;
 use crate::{Error, Result, SceneFault};
 use ::gltf::json::{self, validation::Validate};
@@ -198,11 +198,11 @@ impl Reader<'_> {
             Some(a) => Some(self.accessors.vectors::<2>(&a).map_err(|m| damaged("uv", m))?),
             None => None,
         };
-        let colors = match primitive.get(&Semantic::Colors(0)) {
+        let given = match primitive.get(&Semantic::Colors(0)) {
             Some(a) => Some(self.accessors.colors(&a).map_err(|m| damaged("vertex colours", m))?),
             None => None,
         };
-        let sizes = [uv.as_ref().map(Vec::len), colors.as_ref().map(Vec::len)];
+        let sizes = [uv.as_ref().map(Vec::len), given.as_ref().map(Vec::len)];
         if let Some(n) = sizes.into_iter().flatten().find(|n| *n != positions.len()) {
             let message = format!("found {n} values, expected {}, one for each vertex", positions.len());
             return Err(damaged("attributes", message));
@@ -220,11 +220,11 @@ impl Reader<'_> {
             self.mesh.positions.push(at);
         }
         let before = self.mesh.colors.len();
-        match colors {
-            Some(colors) => {
+        match given {
+            Some(given) => {
                 self.colored = true;
-                for [r, g, b, a] in colors {
-                    self.mesh.colors.push(Vec3::new(r, g, b).clamp(Vec3::ZERO, Vec3::ONE));
+                for [r, g, b, a] in given {
+                    self.mesh.colors.push(Vec3::new(r, g, b));
                     self.mesh.alphas.push(a.clamp(0.0, 1.0));
                 }
             }
@@ -292,6 +292,8 @@ impl Reader<'_> {
         if !self.colored {
             mesh.colors.clear();
         }
+        let clamped = colors::clamped(&mut mesh.colors);
+        mesh.notes.extend(clamped);
         if mesh.alphas.iter().all(|a| *a == 1.0) {
             mesh.alphas.clear();
         }

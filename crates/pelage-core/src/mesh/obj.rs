@@ -158,7 +158,7 @@ fn mesh_of(mut clean: Clean, file: &Path, count: &Count) -> Result<Mesh> {
         sections: std::mem::take(&mut clean.sections.list),
         ..Mesh::default()
     };
-    let color_note = colors::to_unit_range(&mut clean.colors);
+    let color_notes = colors::to_unit_range(&mut clean.colors);
     if !clean.colors.is_empty() {
         // The colours that tobj saw are the vertices' numbers.
         let number = |c: &[f32]| c[0] as usize + ((c[1] as usize) << 16);
@@ -194,7 +194,7 @@ fn mesh_of(mut clean: Clean, file: &Path, count: &Count) -> Result<Mesh> {
     repair(unused, "unused vertices dropped");
     repair(clean.short_faces, "faces with fewer than three corners dropped");
     cutter.report(&mut mesh);
-    mesh.notes.extend(color_note);
+    mesh.notes.extend(color_notes);
     let mut note = |n: u64, what: &str| (n > 0).then(|| mesh.notes.push(format!("{n} {what}")));
     note(clean.weighted, "vertices with a weight w other than 1, divided by it");
     note(clean.others, "points, lines, curves or surfaces left out");

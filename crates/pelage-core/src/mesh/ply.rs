@@ -176,14 +176,11 @@ fn add_vertices(
     }
     let colored = has(&["red", "green", "blue"]) || has(&["r", "g", "b"]) || has(&["diffuse_red"]);
     if colored {
-        let color = |v: &Vertex| {
-            let c = Vec3::new(v.color[0], v.color[1], v.color[2]);
-            if c.is_finite() { c.max(Vec3::ZERO) } else { Vec3::ONE }
-        };
+        let color = |v: &Vertex| Vec3::new(v.color[0], v.color[1], v.color[2]);
         mesh.colors = vertices.iter().map(color).collect();
         mesh.srgb = vertices.iter().any(|v| v.integer_color);
-        let note = colors::to_unit_range(&mut mesh.colors);
-        mesh.notes.extend(note);
+        let notes = colors::to_unit_range(&mut mesh.colors);
+        mesh.notes.extend(notes);
         if vertices.iter().any(|v| v.color[3] < 1.0) {
             let alpha = |v: &Vertex| if v.color[3].is_finite() { v.color[3].clamp(0.0, 1.0) } else { 1.0 };
             mesh.alphas = vertices.iter().map(alpha).collect();

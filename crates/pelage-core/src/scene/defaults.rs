@@ -34,6 +34,7 @@ impl Default for Environment {
         Self {
             map: String::new(),
             layer: String::new(),
+            projection: None,
             lights: 16,
             intensity: 1.0,
             tint: [1.0; 3],
@@ -123,6 +124,7 @@ impl Default for FilmSpec {
             plate: String::new(),
             exposure: 0.0,
             tonemap: Tonemap::Neutral,
+            color_space: OutputSpace::default(),
         }
     }
 }

@@ -11,6 +11,7 @@ pub use super::objects::*;
 pub use super::output::*;
 pub use super::part::*;
 pub use super::shellfin::*;
+use crate::light::probe::Probe;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
@@ -254,7 +255,7 @@ pub struct DirectionalLight {
     pub irradiance: [f32; 3],
 }
 
-/// An equirectangular environment map.
+/// Light from all around, by an environment map.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize, JsonSchema)]
 #[serde(deny_unknown_fields, default)]
 pub struct Environment {
@@ -263,6 +264,9 @@ pub struct Environment {
     /// Layer of an EXR image (its name without `.R`); by default the channels without a layer, else
     /// the first layer.
     pub layer: String,
+    /// How the map shows the directions; by default as `equirectangular`, except that a square
+    /// image that is black outside a circle must say what it is.
+    pub projection: Option<Projection>,
     /// Number of directional lights that it is converted to, 1..=64.
     #[schemars(range(min = 1, max = 64))]
     pub lights: u32,
@@ -278,6 +282,31 @@ pub struct Environment {
     pub undercoat: bool,
     /// Show the map behind the fur where the film's background is `environment`.
     pub visible: bool,
+}
+
+/// How an environment map shows the directions.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
+#[serde(rename_all = "snake_case")]
+pub enum Projection {
+    /// Longitude and latitude: the centre shows -z, the right side +x, the top row +y.
+    Equirectangular,
+    /// A light probe, square: the centre shows +z, the right +x, the top +y, as in a mirror ball;
+    /// the distance from the centre is the angle, up to -z at the circle.
+    Angular,
+    /// A photograph, cropped to a square, of a mirror ball by a distant camera that looks to -z:
+    /// the centre shows +z, the right +x, the top +y, the circle -z.
+    MirrorBall,
+}
+
+impl Projection {
+    /// The kind of light probe; `None` for a map that is none.
+    pub fn probe(self) -> Option<Probe> {
+        match self {
+            Self::Equirectangular => None,
+            Self::Angular => Some(Probe::Angular),
+            Self::MirrorBall => Some(Probe::MirrorBall),
+        }
+    }
 }
 
 /// Material of the skin: Lambertian.

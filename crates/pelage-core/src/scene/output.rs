@@ -33,6 +33,19 @@ pub struct FilmSpec {
     pub exposure: f32,
     /// Tone mapping of PNG output.
     pub tonemap: Tonemap,
+    /// Colour space of EXR output, linear; PNG is always sRGB.
+    pub color_space: OutputSpace,
+}
+
+/// Colour spaces of EXR output.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema, Default)]
+#[serde(rename_all = "snake_case")]
+pub enum OutputSpace {
+    /// Primaries of ITU-R BT.709 and sRGB, white D65.
+    #[default]
+    Rec709,
+    /// ACEScg: primaries AP1, white of ACES (about D60).
+    Acescg,
 }
 
 /// Reconstruction filters.

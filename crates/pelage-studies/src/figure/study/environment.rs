@@ -42,12 +42,10 @@ struct Sky {
 pub(super) fn make(context: &FigureContext) -> Result<FigureContent> {
     let settings: Settings = context.settings()?;
     let (world, assets) = context.load(&settings.scene, &[])?;
-    let environment = world.scene.environment.as_ref().filter(|e| !e.map.is_empty());
-    let environment = environment.ok_or_else(|| {
-        Error::fault(context.folder.join(&settings.scene), "expected a map in [environment]")
-    })?;
+    let expected = || Error::fault(context.folder.join(&settings.scene), "expected a map in [environment]");
+    let environment = world.scene.environment.as_ref().ok_or_else(expected)?;
     let sky = Sky {
-        map: Panorama::load(&assets.find(&environment.map)?, &environment.layer)?,
+        map: Panorama::of(environment, &assets, &mut Vec::new())?.ok_or_else(expected)?,
         map_from_world: map_from_world(environment.rotate),
         factor: Vec3::from(environment.tint) * environment.intensity,
         film: world.scene.film.clone(),
