@@ -58,6 +58,7 @@ mod pathtrace_curve;
 mod pathtrace_grow;
 mod pathtrace_light;
 mod pathtrace_memory;
+mod pathtrace_objects;
 mod pathtrace_render;
 mod pathtrace_volume;
 mod preview;

@@ -7,7 +7,7 @@ use clap::Args;
 use pelage::render::{self, RenderOptions};
 use pelage::scene::Scalar;
 use pelage::{Error, Result, Scene, World};
-use pelage_core::scene::Coat;
+use pelage_core::scene::{Coat, FurLayers};
 use pelage_fur::extent::Extent;
 use pelage_render::prepare::{lattice_bytes, stores_undercoat, strand_bytes};
 use serde::Serialize;
@@ -80,6 +80,9 @@ pub(super) fn run(args: &CheckArgs, global: &Global) -> Result<()> {
     let (scene, assets) = args.scene.load()?;
     let mut world = World::load(scene, &assets)?;
     output::admit(&mut world, true, global.quiet)?;
+    if world.scene.render.fur == FurLayers::Shells {
+        world.without_objects("a picture of shells and fins")?;
+    }
     let counts = counts(&world);
     let bytes = bytes(&world, &counts)?;
     let toml = toml::to_string(&world.scene)

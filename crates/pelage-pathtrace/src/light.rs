@@ -6,6 +6,7 @@ use pelage_core::film::tonemap::luminance;
 use pelage_core::light::Light;
 use pelage_core::light::environment::{Panorama, map_from_world};
 use pelage_core::{Result, World};
+use pelage_fur::material::environment_spread;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -110,6 +111,15 @@ impl Sky {
         })
     }
 
+    /// The largest luminance over density of [`Sky::sample`]: of an untinted sky, the irradiance on
+    /// a surface that would face all of it.
+    pub fn most(&self) -> f32 {
+        match &self.map {
+            Some(map) => self.factor.max_element() / map.density,
+            None => luminance(self.factor) * 4.0 * PI,
+        }
+    }
+
     /// Radiance from a direction (unit, world space), linear RGB, and the density with which
     /// [`Sky::sample`] draws it, 1/sr.
     pub fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
@@ -176,6 +186,9 @@ pub struct Lights {
     sums: Vec<f32>,
     /// The environment.
     pub sky: Option<Sky>,
+    /// Half the angular radius of the part of the sky that each directional light of the
+    /// environment stands for, radians, by which objects' lobes are widened.
+    pub spread: f32,
 }
 
 impl Lights {
@@ -188,7 +201,7 @@ impl Lights {
             sums.push(sum);
         }
         sums.iter_mut().for_each(|s| *s /= sum.max(f32::MIN_POSITIVE));
-        Self { directional, sums, sky }
+        Self { directional, sums, sky, spread: 0.0 }
     }
 
     /// The lights of `world` for a light model.
@@ -197,7 +210,9 @@ impl Lights {
     /// [`pelage_core::Error::Scene`] if the environment's map is missing or damaged.
     pub fn of(world: &World, assets: &Assets, model: LightModel) -> Result<Self> {
         Ok(match model {
-            LightModel::Scene => Self::new(world.lights.clone(), None),
+            LightModel::Scene => {
+                Self { spread: environment_spread(world), ..Self::new(world.lights.clone(), None) }
+            }
             LightModel::Map => Self::new(
                 world.lights.iter().filter(|l| !l.environment).copied().collect(),
                 Sky::load(world, assets)?,
