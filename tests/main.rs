@@ -22,6 +22,7 @@ mod device_lost;
 mod documents;
 mod edge_table;
 mod export;
+mod export_objects;
 mod faults;
 mod features;
 mod fibre;
