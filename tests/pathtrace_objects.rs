@@ -507,3 +507,43 @@ fn the_commands_agree_on_objects() {
     let refused = pelage(&["check", &scene, "--fur", "shells"]);
     assert!(refused.code != 0 && refused.err.contains("\"bell\""), "{}", refused.err);
 }
+
+/// The hybrid renderer shows the same objects, and the same shadows on a catcher, as paths that
+/// scatter once; under the environment's lights too, which widen the lobes of objects.
+#[test]
+fn the_hybrid_renderer_shows_the_same_objects() {
+    let world = empty_world(|s| {
+        s.environment = Some(Environment { lights: 8, intensity: 0.5, ..sky() });
+        s.lights = vec![light(Vec3::new(0.5, 1.0, 0.7), 2.0)];
+        s.guard.density = 0.0.into();
+        s.undercoat.density = 0.0.into();
+        seen_from(s, Vec3::new(0.0, 4.0, 9.0), Vec3::new(0.0, 0.3, 0.0), 22.0);
+        (s.film.width, s.film.height, s.film.spp) = (96, 64, 16);
+        let [.., coated] = materials();
+        let metal = ObjectMaterial { metallic: 1.0, ..dielectric(0.8, 0.2) };
+        s.objects = vec![
+            ball(0.9, [-1.0, 0.0, 0.0], metal),
+            ball(0.8, [1.0, -0.1, 0.0], coated),
+            catcher(object(Shape::Plane, 2.0, [0.0, -0.9, 0.0], dielectric(0.5, 0.5))),
+        ];
+    });
+    let hybrid = crate::common::worlds::render(&world).film;
+    let traced = |spread: Option<f32>| {
+        let options = options(Integrator::Single, LightModel::Scene, 64);
+        let mut tracer = Tracer::new(&world, vec![], &options).unwrap();
+        tracer.lights.spread = spread.unwrap_or(tracer.lights.spread);
+        let mut means = Accumulator::new(96, 64);
+        tracer.add(&mut means, 64, None).unwrap();
+        means.film()
+    };
+    let rmse = |film: &Film| crate::common::worlds::rmse(&hybrid, film, &["R", "G", "B", "A"]);
+    let film = traced(None);
+    for name in ["G", "A", "base.G"] {
+        let (found, wanted) = (mean(&hybrid, name), mean(&film, name));
+        println!("{name}: hybrid {found:.5}, traced {wanted:.5}");
+        assert!(wanted > 0.01 && (found / wanted - 1.0).abs() < 0.003, "{name}: {found} is not {wanted}");
+    }
+    let (same, points) = (rmse(&film), rmse(&traced(Some(0.0))));
+    println!("differences {same:.5}, with lights that are points {points:.5}");
+    assert!(same < 0.02 && points > 2.0 * same, "{same} {points}");
+}
