@@ -136,3 +136,26 @@ fn a_bake_needs_no_adapter() {
     let args = [&["bake", SCENE, "-o", &dir], &small[..]].concat();
     pelage_without_adapter(&args).expect(0, &[]);
 }
+
+/// Objects have no fur, so that nothing of them is baked; a note says what becomes of them.
+#[test]
+fn objects_are_noted() {
+    let folder = Folder::new();
+    let small = std::fs::read_to_string(SCENE).unwrap();
+    let objects = "\n[[objects]]\nname = 'bell'\nmesh = { shape = 'sphere', scale = 0.1 }\n\
+                   [[objects]]\nname = 'ground'\nmesh.shape = 'plane'\nshadow_catcher = true\n";
+    let scene = folder.write("scene.toml", small + objects);
+    let args = |dir: &str| {
+        let all = ["bake", &scene, "-o", dir, "--source", "dots", "--layers", "2", "--resolution", "8x8"];
+        let small = ["--formats", "ktx2", "-D", "bake.fin_resolution=[8,8]"];
+        all.into_iter().chain(small).map(str::to_owned).collect::<Vec<_>>()
+    };
+    let run = pelage(&args(&folder.at("bare")))
+        .expect(0, &["found 2 objects that are not baked: \"bell\", \"ground\""]);
+    assert_eq!(run.err.matches("objects").count(), 1, "{}", run.err);
+    let mut with = args(&folder.at("gltf"));
+    with.push("--gltf".into());
+    pelage(&with).expect(0, &["shadow catchers are left out of the glTF file", "\"ground\""]);
+    let document = json(folder.path().join("gltf/fur.gltf"));
+    assert_eq!(document["meshes"][1]["name"], "bell");
+}

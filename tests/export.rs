@@ -10,7 +10,7 @@ use pelage_fur::{Layer, camera};
 use pelage_pathtrace::strands::{Hair, Strands};
 use std::path::Path;
 
-const SCENE: &str = "
+pub(crate) const SCENE: &str = "
 [mesh]
 shape = 'plane'
 [camera]
@@ -44,7 +44,7 @@ fn world(more: &[String]) -> World {
 
 /// Guard hairs, the second of which lacks its middle segment, and undercoat of one segment that all
 /// has one colour.
-fn strands() -> Vec<Strands> {
+pub(crate) fn strands() -> Vec<Strands> {
     let hair = |i: u32, present| Hair {
         color_root: Vec3::new(0.1, 0.2, 0.3) * (i + 1) as f32,
         color_tip: Vec3::new(0.3, 0.2, 0.1),
@@ -89,26 +89,26 @@ fn export_to(folder: &Folder, target: Target) -> Vec<Written> {
     export_with(folder, target, EnvironmentAs::Map, &[])
 }
 
-fn text(folder: &Folder, name: &str) -> String {
+pub(crate) fn text(folder: &Folder, name: &str) -> String {
     std::fs::read_to_string(folder.path().join(name)).unwrap_or_else(|e| panic!("{name}: {e}"))
 }
 
 /// All numbers of a text, in order.
-fn numbers(text: &str) -> Vec<f32> {
+pub(crate) fn numbers(text: &str) -> Vec<f32> {
     text.split(|c: char| !(c.is_ascii_digit() || "+-.e".contains(c)))
         .filter_map(|word| word.parse().ok())
         .collect()
 }
 
 /// The text between two marks, the first of each.
-fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
+pub(crate) fn between<'a>(text: &'a str, start: &str, end: &str) -> &'a str {
     let (_, rest) = text.split_once(start).unwrap_or_else(|| panic!("no {start:?} in {text:.2000}"));
     rest.split_once(end).unwrap_or_else(|| panic!("no {end:?} after {start:?}")).0
 }
 
 /// Elements of an XML text as (name, attributes); panics where tags do not match or an attribute
 /// has no quotes.
-fn elements(xml: &str) -> Vec<(String, String)> {
+pub(crate) fn elements(xml: &str) -> Vec<(String, String)> {
     let mut rest = xml;
     let (mut open, mut found) = (Vec::new(), Vec::new());
     while let Some((before, tag)) = rest.split_once('<') {
@@ -145,7 +145,7 @@ fn axes() -> [Vec3; 4] {
     [f.right, f.up, f.forward, f.eye].map(Vec3::from)
 }
 
-fn close(a: Vec3, b: Vec3) {
+pub(crate) fn close(a: Vec3, b: Vec3) {
     assert!(a.distance(b) < 1e-5 * (1.0 + b.length()), "found {a}, expected {b}");
 }
 

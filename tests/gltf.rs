@@ -339,3 +339,56 @@ fn the_same_fur_gives_the_same_bytes() {
     let (a, b) = (Document::of(&world(scene)), Document::of(&world(scene)));
     assert_eq!((a.json, a.bin), (b.json, b.bin));
 }
+
+/// Objects are nodes with meshes and materials of their own, without shadow catchers.
+#[test]
+fn objects_are_ordinary_meshes() {
+    let world = world(
+        "[mesh]\nshape = 'plane'\n\
+         [[objects]]\nname = 'caught'\nmesh = { shape = 'plane', scale = 2, translate = [0, -1, 0] }\nshadow_catcher = true\n\
+         [[objects]]\nname = 'eye'\nmesh = { shape = 'sphere', scale = 0.1, translate = [0, 2, 0] }\n\
+         material = { color = [0.25, 0.5, 0.75], roughness = 0.125, clearcoat = 0.5, clearcoat_roughness = 0.25 }\n\
+         [[objects]]\nname = 'bell'\nmesh = { shape = 'sphere', scale = 0.05, translate = [3, 2, 0] }\n\
+         material = { color = { map = 'vertex_color', value = [1, 0.5, 0.25] }, metallic = 1 }",
+    );
+    let document = Document::of(&world);
+    let json = &document.json;
+    assert_eq!(json["scenes"][0]["nodes"], serde_json::json!([0, 1, 2]));
+    let names: Vec<_> =
+        json["nodes"].as_array().unwrap().iter().map(|n| n["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["fur", "eye", "bell"]);
+    assert_eq!(json["extensionsUsed"], serde_json::json!(["KHR_materials_clearcoat"]));
+    for (node, object) in [(1, &world.objects[1]), (2, &world.objects[2])] {
+        assert_eq!(json["nodes"][node]["scale"], json["nodes"][0]["scale"]);
+        let mesh = &json["meshes"][json["nodes"][node]["mesh"].as_u64().unwrap() as usize];
+        let primitive = &mesh["primitives"][0];
+        let attribute = |name: &str| -> Vec<Vec3> {
+            document.floats(&primitive["attributes"][name]).iter().map(|v| Vec3::from_slice(v)).collect()
+        };
+        assert_eq!(attribute("POSITION"), object.surface.positions);
+        assert_eq!(attribute("NORMAL"), object.surface.normals);
+        assert_eq!(
+            document.integers(&primitive["indices"]).as_flattened(),
+            object.surface.triangles.as_flattened()
+        );
+        assert_eq!(primitive["material"], node);
+    }
+    let eye = &json["materials"][1];
+    assert_eq!(eye["pbrMetallicRoughness"]["baseColorFactor"], serde_json::json!([0.25, 0.5, 0.75, 1.0]));
+    assert_eq!(eye["pbrMetallicRoughness"]["roughnessFactor"], 0.125);
+    assert_eq!(eye["pbrMetallicRoughness"]["metallicFactor"], 0.0);
+    assert_eq!(eye["extensions"]["KHR_materials_clearcoat"]["clearcoatFactor"], 0.5);
+    assert_eq!(eye["extensions"]["KHR_materials_clearcoat"]["clearcoatRoughnessFactor"], 0.25);
+    // The mesh has no colours, which count as white.
+    let colors = document.floats(&json["meshes"][2]["primitives"][0]["attributes"]["COLOR_0"]);
+    assert!(colors.iter().all(|c| c == &[1.0, 0.5, 0.25]));
+    assert_eq!(json["materials"][2]["pbrMetallicRoughness"]["metallicFactor"], 1.0);
+    assert!(json["materials"][2].get("extensions").is_none());
+    let notes = gltf::notes(&world).join("\n");
+    assert!(notes.contains("left out of the glTF file") && notes.contains("\"caught\""), "{notes}");
+    assert!(notes.contains("at the vertices in the glTF file: \"bell\""), "{notes}");
+    // Without objects the document has none of it.
+    let bare = Document::of(&gpu::world("[mesh]\nshape = 'plane'"));
+    assert_eq!(bare.json["nodes"].as_array().unwrap().len(), 1);
+    assert!(bare.json.get("extensionsUsed").is_none());
+}

@@ -68,6 +68,7 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     shells::check_folder(&args.outdir)?;
     let mut world = World::load(scene, &assets)?;
     output::admit(&mut world, false, global.quiet)?;
+    output::print_notes(&notes_of_objects(&world, args.gltf), global.quiet);
     let textures = shells::bake(&world)?;
     let metadata = Metadata::of_program()
         .with_scene(&toml::to_string(&world.scene).unwrap_or_default())
@@ -89,6 +90,19 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
         Ok(())
     } else {
         output::print(&summary(args, &manifest, files.len()))
+    }
+}
+
+/// What becomes of the scene's objects, if it has any.
+fn notes_of_objects(world: &World, gltf: bool) -> Vec<String> {
+    match (world.objects.len(), gltf) {
+        (0, _) => Vec::new(),
+        (_, true) => shells::gltf::notes(world),
+        (count, false) => {
+            let names: Vec<_> = world.objects.iter().map(|o| format!("{:?}", o.name)).collect();
+            let names = names.join(", ");
+            vec![format!("textures hold the fur alone: found {count} objects that are not baked: {names}")]
+        }
     }
 }
 

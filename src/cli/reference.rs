@@ -50,7 +50,7 @@ pub(super) struct ReferenceArgs {
     /// Resume from the first EXR output file, if it exists
     #[arg(long)]
     resume: bool,
-    /// Trace only hairs with roots within R of the point X,Y,Z, all in cm
+    /// Trace only hairs with roots within R of the point X,Y,Z, all in cm; skin and objects stay
     #[arg(long, value_name = "X,Y,Z,R", value_parser = patch, allow_hyphen_values = true)]
     patch: Option<Patch>,
     /// Layers to trace

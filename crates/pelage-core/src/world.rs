@@ -5,7 +5,7 @@ use crate::film::composite::load_plate;
 use crate::light::Light;
 use crate::maps::{self, MapSet};
 use crate::objects::{self, Object};
-use crate::scene::Background;
+use crate::scene::{Background, FurLayers};
 use crate::{Error, Result, Scene, Skin, stage};
 
 /// A scene with its assets.
@@ -34,22 +34,6 @@ impl World {
         (self.skin.triangles.len() + objects) as u64
     }
 
-    /// Refuses a scene with objects.
-    ///
-    /// # Errors
-    /// [`Error::Unsupported`] if the scene has objects: `what` cannot show them.
-    pub fn without_objects(&self, what: &str) -> Result<()> {
-        let names: Vec<_> = self.objects.iter().map(|object| format!("\"{}\"", object.name)).collect();
-        if names.is_empty() {
-            return Ok(());
-        }
-        Err(Error::Unsupported(format!(
-            "{what} cannot show objects, and the scene has {}: remove [[objects]], or use pelage render with another \
-             render.fur than \"shells\"",
-            names.join(", ")
-        )))
-    }
-
     /// Loads the files that `scene` names, and completes its camera and light where it gives none.
     ///
     /// # Errors
@@ -66,6 +50,9 @@ impl World {
         let objects = objects::load(&scene, &skin, assets)?;
         let mut notes = skin.notes.clone();
         notes.extend(objects.iter().flat_map(|o| o.surface.notes.iter().cloned()));
+        if scene.render.fur == FurLayers::Shells && !objects.is_empty() {
+            notes.push("a picture of shells and fins does not show the scene's objects".into());
+        }
         notes.extend(stage::complete(&mut scene, &skin));
         let lights = crate::light::lights_of(&scene, assets, &mut notes)?;
         if scene.film.background == Background::Plate {

@@ -68,23 +68,44 @@ def add_object(name, data, matrix):
     return thing
 
 
-def add_skin():
-    xyz, color, triangles = read_ply(beside("skin.ply"))
-    mesh = bpy.data.meshes.new("skin")
+def add_surface(name, file, color, material, socket):
+    """Adds the surface of a PLY file; its colour, or that of its vertices, goes into a socket."""
+    material, nodes, links = material
+    xyz, colors, triangles = read_ply(beside(file))
+    mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(xyz.tolist(), [], triangles.tolist())
     mesh.polygons.foreach_set("use_smooth", np.ones(len(triangles), bool))
+    if color is not None:
+        socket.default_value = (*color, 1)
+    else:
+        rgba = np.ones((len(xyz), 4), np.float32)
+        rgba[:, :3] = colors
+        mesh.attributes.new("surface_color", "FLOAT_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
+        links.new(attribute_node(nodes, "surface_color").outputs["Color"], socket)
+    mesh.materials.append(material)
+    return add_object(name, mesh, UPRIGHT)
+
+
+def add_skin():
     material, nodes, links, output = new_material("skin")
     diffuse = nodes.new("ShaderNodeBsdfDiffuse")
     links.new(diffuse.outputs["BSDF"], output.inputs["Surface"])
-    if SKIN_COLOR is not None:
-        diffuse.inputs["Color"].default_value = (*SKIN_COLOR, 1)
-    else:
-        rgba = np.ones((len(xyz), 4), np.float32)
-        rgba[:, :3] = color
-        mesh.attributes.new("skin_color", "FLOAT_COLOR", "POINT").data.foreach_set("color", rgba.ravel())
-        links.new(attribute_node(nodes, "skin_color").outputs["Color"], diffuse.inputs["Color"])
-    mesh.materials.append(material)
-    add_object("skin", mesh, UPRIGHT)
+    add_surface("skin", "skin.ply", SKIN_COLOR, (material, nodes, links), diffuse.inputs["Color"])
+
+
+def add_thing(thing):
+    material, nodes, links, output = new_material(thing["name"])
+    surface = nodes.new("ShaderNodeBsdfPrincipled")
+    links.new(surface.outputs["BSDF"], output.inputs["Surface"])
+    surface.inputs["IOR"].default_value = 1.5
+    surface.inputs["Roughness"].default_value = thing["roughness"]
+    surface.inputs["Metallic"].default_value = thing["metallic"]
+    surface.inputs["Coat Weight"].default_value = thing["clearcoat"]
+    surface.inputs["Coat Roughness"].default_value = thing["clearcoat_roughness"]
+    surface.inputs["Coat IOR"].default_value = 1.5
+    parts = (material, nodes, links)
+    added = add_surface(thing["name"], thing["file"], thing["color"], parts, surface.inputs["Base Color"])
+    added.is_shadow_catcher = thing["shadow_catcher"]
 
 
 def hair_material(layer):
@@ -199,6 +220,8 @@ def set_up(scene):
 def build():
     bpy.ops.wm.read_factory_settings(use_empty=True)
     add_skin()
+    for thing in OBJECTS:
+        add_thing(thing)
     for layer in LAYERS:
         add_layer(layer)
     add_camera()

@@ -12,7 +12,7 @@ use std::io::{self, Write};
 const BUILDER: &str = include_str!("blender.py");
 
 pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
-    ply::write(job, "skin.ply")?;
+    ply::write(job)?;
     hair::layers(job)?;
     if let Some(Sky::Map { panorama, .. }) = &job.sky {
         let path = job.folder.join("sky.exr");
@@ -27,6 +27,19 @@ pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
 
 fn tuple(v: Vec3) -> String {
     format!("({}, {}, {})", v.x, v.y, v.z)
+}
+
+/// A name as a string of Python.
+fn string(text: &str) -> String {
+    let escaped: String = text
+        .chars()
+        .map(|c| match c {
+            '"' | '\\' => format!("\\{c}"),
+            c if c.is_control() => format!("\\u{:04x}", u32::from(c)),
+            c => c.to_string(),
+        })
+        .collect();
+    format!("\"{escaped}\"")
 }
 
 fn truth(b: bool) -> &'static str {
@@ -69,7 +82,22 @@ fn script(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()
     writeln!(out, "SKY_SEEN = {}", truth(seen))?;
     let colors = skin_colors(job.world);
     let color = if colors.len() > 1 { "None".into() } else { tuple(mean(&colors)) };
-    writeln!(out, "# None: a colour a vertex.\nSKIN_COLOR = {color}\nLAYERS = [")?;
+    writeln!(out, "# None: a colour a vertex.\nSKIN_COLOR = {color}\nOBJECTS = [")?;
+    for of in &job.objects {
+        let m = &of.object.material;
+        let color = if of.colors.len() > 1 { "None".into() } else { tuple(mean(&of.colors)) };
+        writeln!(
+            out,
+            "    {{\n        \"name\": {},\n        \"file\": \"{}\",",
+            string(&of.object.name),
+            of.file()
+        )?;
+        writeln!(out, "        \"color\": {color},\n        \"roughness\": {},", m.roughness)?;
+        writeln!(out, "        \"metallic\": {},\n        \"clearcoat\": {},", m.metallic, m.clearcoat)?;
+        writeln!(out, "        \"clearcoat_roughness\": {},", m.clearcoat_roughness)?;
+        writeln!(out, "        \"shadow_catcher\": {},\n    }},", truth(of.object.shadow_catcher))?;
+    }
+    writeln!(out, "]\nLAYERS = [")?;
     for strands in job.strands {
         let m = material::of(&job.world.scene, strands.layer);
         let h = m.hair;

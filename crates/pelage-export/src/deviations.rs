@@ -1,5 +1,6 @@
 //! How an exported scene differs from the original: what the target cannot express of it.
 
+use super::objects::Exported;
 use super::sky::Sky;
 use super::{Job, Target, curves, material, skin_colors};
 use pelage_core::scene::{Background, Filter, FurLayers, Shading};
@@ -10,6 +11,7 @@ use pelage_fur::groom;
 pub(super) fn of(job: &Job<'_>, target: Target) -> Vec<String> {
     let mut notes = Vec::new();
     hairs(job, target, &mut notes);
+    objects(job, target, &mut notes);
     lights(job, target, &mut notes);
     film(job, target, &mut notes);
     notes
@@ -84,6 +86,60 @@ fn hairs(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
             "where hairs taper, the tangent of Mitsuba's hair model lies on the surface, turned from the axis by up to {:.3} degrees",
             slope.atan().to_degrees()
         ));
+    }
+}
+
+fn objects(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
+    if job.objects.is_empty() || target == Target::Hair {
+        return;
+    }
+    let named = |which: &dyn Fn(&Exported<'_>) -> bool| {
+        let names = job.objects.iter().filter(|of| which(of)).map(|of| format!("{:?}", of.object.name));
+        let names: Vec<_> = names.collect();
+        (!names.is_empty()).then(|| names.join(", "))
+    };
+    notes.extend(match target {
+        Target::Mitsuba => {
+            Some("objects have Mitsuba's principled material, whose diffuse part is Burley's".into())
+        }
+        Target::Pbrt => {
+            Some("objects have layered materials, in which light is reflected back and forth".into())
+        }
+        Target::Usd => {
+            Some("objects have UsdPreviewSurface, whose exact form is the renderer's choice".into())
+        }
+        Target::Blender | Target::Hair => None,
+    });
+    if let Some(names) = named(&|of| of.colors.len() > 1) {
+        notes.push(match target {
+            Target::Pbrt => format!("the mapped colour of {names} is its mean"),
+            _ => format!("the mapped colour of {names} is taken at the vertices and interpolated"),
+        });
+    }
+    let coated = |of: &Exported<'_>| of.object.material.clearcoat > 0.0;
+    match target {
+        Target::Mitsuba => {
+            let about =
+                "is a quarter as strong in Mitsuba, of another distribution, and at most as rough as 0.32";
+            notes.extend(named(&coated).map(|names| format!("the clear coat of {names} {about}")));
+        }
+        Target::Pbrt => {
+            let lost = named(&|of| coated(of) && of.object.material.metallic < 1.0);
+            notes.extend(
+                lost.map(|names| format!("the clear coat of {names} is left out where it is no metal")),
+            );
+        }
+        Target::Blender | Target::Usd | Target::Hair => {}
+    }
+    if let Some(names) = named(&|of| of.object.shadow_catcher) {
+        notes.push(match target {
+            Target::Blender => {
+                format!("the shadow catcher {names} blocks light and reflects it onto the fur in Cycles")
+            }
+            _ => format!(
+                "{names} only catches shadows in the scene; here it is seen like any object and blocks light"
+            ),
+        });
     }
 }
 

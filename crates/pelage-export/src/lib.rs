@@ -11,6 +11,7 @@ mod deviations;
 mod hair;
 pub mod material;
 mod mitsuba;
+mod objects;
 mod pbrt;
 mod ply;
 pub mod sky;
@@ -21,7 +22,7 @@ use glam::Vec3;
 use pelage_core::assets::Assets;
 use pelage_core::light::Light;
 use pelage_core::scene::Color;
-use pelage_core::{Error, Result, World, files, mesh};
+use pelage_core::{Error, Result, Skin, World, files, mesh};
 use pelage_fur::parameters::{Maps, MeshPlace, Parameter, SkinPoint};
 use pelage_pathtrace::strands::Strands;
 use schemars::JsonSchema;
@@ -42,7 +43,7 @@ pub enum Target {
     Blender,
     /// OpenUSD in text form: scene.usda.
     Usd,
-    /// Cem Yuksel's HAIR format, one file per layer, and the skin as OBJ.
+    /// Cem Yuksel's HAIR format, one file per layer, and the skin as OBJ. Objects are left out.
     Hair,
 }
 
@@ -85,6 +86,7 @@ pub struct Written {
 pub(crate) struct Job<'a> {
     pub world: &'a World,
     pub strands: &'a [Strands],
+    pub objects: Vec<objects::Exported<'a>>,
     pub sky: Option<Sky>,
     /// The directional lights that `sky` does not include.
     pub lights: Vec<Light>,
@@ -98,8 +100,8 @@ pub(crate) struct Job<'a> {
 ///
 /// # Errors
 /// [`Error::Io`] if the folder cannot be created or a file cannot be written; [`Error::Scene`] for
-/// an environment map that cannot be read; [`Error::Unsupported`] for a scene with objects, and for
-/// more points than a HAIR file holds.
+/// an environment map that cannot be read; [`Error::Unsupported`] for more points than a HAIR file
+/// holds.
 pub fn write(
     world: &World,
     strands: &[Strands],
@@ -108,9 +110,6 @@ pub fn write(
     environment: EnvironmentAs,
     folder: &Path,
 ) -> Result<Vec<Written>> {
-    if target != Target::Hair {
-        world.without_objects("the export")?;
-    }
     check_folder(folder, target)?;
     let sky = match (&world.scene.environment, environment) {
         (Some(spec), EnvironmentAs::Map) => Some(Sky::load(spec, assets)?),
@@ -118,7 +117,8 @@ pub fn write(
     };
     let lights = world.lights.iter().filter(|l| sky.is_none() || !l.environment).copied().collect();
     let view = view::View::of(&world.scene);
-    let mut job = Job { world, strands, sky, lights, view, folder, written: Vec::new() };
+    let objects = objects::of(world);
+    let mut job = Job { world, strands, objects, sky, lights, view, folder, written: Vec::new() };
     let notes = deviations::of(&job, target);
     match target {
         Target::Mitsuba => mitsuba::write(&mut job, notes)?,
@@ -165,7 +165,12 @@ impl Job<'_> {
     fn obj(&mut self, name: &str) -> Result<()> {
         let path = self.folder.join(name);
         mesh::write_obj(&self.world.skin, &path)?;
-        self.wrote(path, self.skin_holds())
+        let mut holds = self.skin_holds();
+        if !self.objects.is_empty() {
+            let names: Vec<_> = self.objects.iter().map(|o| format!("{:?}", o.object.name)).collect();
+            holds += &format!("; left out are the objects {}", names.join(", "));
+        }
+        self.wrote(path, holds)
     }
 
     /// Description of the skin.
@@ -189,6 +194,12 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     if !world.scene.parts.is_empty() {
         return colors_with_parts(world);
     }
+    colors_on(world, color, skin, world.scene.mesh.translate)
+}
+
+/// A colour on `surface`, which was moved by `origin`, linear RGB: one value, or one per vertex if
+/// it comes from a map or from vertex colours.
+fn colors_on(world: &World, color: &Color, surface: &Skin, origin: [f32; 3]) -> Vec<Vec3> {
     let map = match color {
         Color::Constant(c) => return vec![Vec3::from(*c)],
         Color::Mapped(map) => map,
@@ -196,19 +207,19 @@ pub fn skin_colors(world: &World) -> Vec<Vec3> {
     let value = Vec3::from(map.value);
     let clamped = |c: Vec3| (c * value).clamp(Vec3::ZERO, Vec3::ONE);
     if map.map == pelage_core::maps::VERTEX_COLOR {
-        return skin.colors.iter().map(|c| clamped(*c)).collect();
+        return surface.colors.iter().map(|c| clamped(*c)).collect();
     }
     let Some(index) = world.maps.index_of(&map.map, &map.layer, true) else {
         return vec![clamped(Vec3::ONE)];
     };
     let image = &world.maps.images[index];
     let texel = |[r, g, b, _]: [f32; 4]| clamped(Vec3::new(r, g, b));
-    if skin.corner_uv.is_none() {
-        let origin = Vec3::from(world.scene.mesh.translate);
-        let at = |i: usize| texel(image.triplanar(skin.positions[i] - origin, skin.normals[i], 1.0));
-        return (0..skin.positions.len()).map(at).collect();
+    if surface.corner_uv.is_none() {
+        let origin = Vec3::from(origin);
+        let at = |i: usize| texel(image.triplanar(surface.positions[i] - origin, surface.normals[i], 1.0));
+        return (0..surface.positions.len()).map(at).collect();
     }
-    let uv = pelage_fur::surface::vertex_uv(skin);
+    let uv = pelage_fur::surface::vertex_uv(surface);
     uv.into_iter().map(|uv| texel(image.bilinear(uv.into()))).collect()
 }
 

@@ -4,8 +4,10 @@
 //! every segment its own absorption.
 
 use super::curves::{self, Segment};
+use super::objects::Exported;
 use super::sky::{self, Sky};
 use super::{Job, material, mean, ply, skin_colors};
+use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::scene::{Background, Filter};
 use pelage_fur::Layer;
@@ -23,7 +25,7 @@ struct Part {
 
 pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     let mut notes = notes;
-    ply::write(job, "skin.ply")?;
+    ply::write(job)?;
     if let Some(Sky::Map { panorama, .. }) = &job.sky {
         let path = job.folder.join("sky.exr");
         sky::write_exr(&path, panorama.width, panorama.height, |x, y| {
@@ -163,20 +165,45 @@ fn xml(
     let colors = skin_colors(job.world);
     writeln!(out, "  <shape type=\"ply\" id=\"skin\">\n    <string name=\"filename\" value=\"skin.ply\"/>")?;
     writeln!(out, "    <bsdf type=\"twosided\"><bsdf type=\"diffuse\">")?;
-    if colors.len() > 1 {
-        writeln!(out, "      <texture name=\"reflectance\" type=\"mesh_attribute\">")?;
-        writeln!(out, "        <string name=\"name\" value=\"vertex_color\"/>\n      </texture>")?;
-    } else {
-        let c = mean(&colors);
-        writeln!(out, "      <rgb name=\"reflectance\" value=\"{} {} {}\"/>", c.x, c.y, c.z)?;
-    }
+    color("reflectance", &colors, out)?;
     writeln!(out, "    </bsdf></bsdf>\n  </shape>")?;
+    job.objects.iter().try_for_each(|of| object(of, out))?;
     for (layer, parts) in layers {
         for part in parts {
             hairs(job, *layer, part, out)?;
         }
     }
     writeln!(out, "</scene>")
+}
+
+/// A colour of a surface: one value, or that of its vertices.
+fn color(name: &str, colors: &[Vec3], out: &mut dyn Write) -> io::Result<()> {
+    if colors.len() > 1 {
+        writeln!(out, "      <texture name=\"{name}\" type=\"mesh_attribute\">")?;
+        return writeln!(out, "        <string name=\"name\" value=\"vertex_color\"/>\n      </texture>");
+    }
+    let c = mean(colors);
+    writeln!(out, "      <rgb name=\"{name}\" value=\"{} {} {}\"/>", c.x, c.y, c.z)
+}
+
+fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let m = &of.object.material;
+    writeln!(out, "  <shape type=\"ply\" id=\"{}\">", of.stem)?;
+    writeln!(out, "    <string name=\"filename\" value=\"{}\"/>", of.file())?;
+    writeln!(out, "    <bsdf type=\"twosided\"><bsdf type=\"principled\">")?;
+    color("base_color", &of.colors, out)?;
+    let mut float =
+        |name: &str, value: f32| writeln!(out, "      <float name=\"{name}\" value=\"{value}\"/>");
+    float("roughness", m.roughness)?;
+    float("metallic", m.metallic)?;
+    float("eta", 1.5)?;
+    if m.clearcoat > 0.0 {
+        float("clearcoat", m.clearcoat)?;
+        // The gloss takes the width of the lobe from 0.1 to 0.001.
+        let width = m.clearcoat_roughness * m.clearcoat_roughness;
+        float("clearcoat_gloss", ((0.1 - width) / 0.099).clamp(0.0, 1.0))?;
+    }
+    writeln!(out, "    </bsdf></bsdf>\n  </shape>")
 }
 
 fn sensor(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {

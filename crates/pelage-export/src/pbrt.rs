@@ -1,6 +1,7 @@
 //! pbrt-v4: a scene file, one file of curves per layer, the skin as PLY, the sky as a square map.
 
 use super::curves;
+use super::objects::Exported;
 use super::sky::{self, Sky};
 use super::{Job, material, mean, ply, skin_colors};
 use glam::Vec3;
@@ -68,7 +69,7 @@ fn cell(color: Vec3, levels: f32) -> [u8; 3] {
 
 pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     let mut notes = notes;
-    ply::write(job, "skin.ply")?;
+    ply::write(job)?;
     if let Some(Sky::Map { panorama, rotate }) = &job.sky {
         let path = job.folder.join("sky.exr");
         let side = sky::side(panorama);
@@ -178,10 +179,54 @@ fn scene(job: &Job<'_>, notes: &[String], layers: &[String], out: &mut dyn Write
     let c = mean(&skin_colors(job.world));
     writeln!(out, "\nMaterial \"diffuse\" \"rgb reflectance\" [ {} {} {} ]", c.x, c.y, c.z)?;
     writeln!(out, "Shape \"plymesh\" \"string filename\" \"skin.ply\"\n")?;
+    job.objects.iter().try_for_each(|of| object(of, out))?;
     for file in layers {
         writeln!(out, "Include \"{file}\"")?;
     }
     Ok(())
+}
+
+/// An object and its materials. A metal is a conductor, under an interface where it is coated; a
+/// dielectric has one interface over a diffuse base; others are mixed of these.
+fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let (m, c) = (&of.object.material, mean(&of.colors));
+    let color = format!("\"rgb reflectance\" [ {} {} {} ]", c.x, c.y, c.z);
+    let exact = "\"bool remaproughness\" false";
+    let [width, coat_width] = [m.roughness, m.clearcoat_roughness].map(|r| r * r);
+    let mut named = |kind: &str, what: String| {
+        let name = format!("{}.{kind}", of.stem);
+        writeln!(out, "MakeNamedMaterial \"{name}\" \"string type\" {what}").map(|()| name)
+    };
+    let mix = |[first, second]: [&str; 2], amount: f32| {
+        format!("\"mix\" \"string materials\" [ \"{first}\" \"{second}\" ] \"float amount\" {amount}")
+    };
+    let mut dielectric = None;
+    if m.metallic < 1.0 {
+        let what = format!("\"coateddiffuse\" {color} \"float roughness\" {width} {exact} \"float eta\" 1.5");
+        dielectric = Some(named("dielectric", what)?);
+    }
+    let mut metal = None;
+    if m.metallic > 0.0 {
+        let bare = format!("\"conductor\" {color} \"float roughness\" {width} {exact}");
+        let coated = format!(
+            "\"coatedconductor\" {color} \"float conductor.roughness\" {width} {exact} \
+             \"float interface.roughness\" {coat_width} \"float interface.eta\" 1.5"
+        );
+        metal = Some(match m.clearcoat {
+            c if c <= 0.0 => named("metal", bare)?,
+            c if c >= 1.0 => named("coated", coated)?,
+            c => {
+                let both = [named("metal", bare)?, named("coated", coated)?];
+                named("partly_coated", mix(both.each_ref().map(String::as_str), c))?
+            }
+        });
+    }
+    let chosen = match (dielectric, metal) {
+        (Some(inside), Some(metal)) => named("mixed", mix([&inside, &metal], m.metallic))?,
+        (one, other) => one.or(other).unwrap_or_default(),
+    };
+    writeln!(out, "NamedMaterial \"{chosen}\"")?;
+    writeln!(out, "Shape \"plymesh\" \"string filename\" \"{}\"\n", of.file())
 }
 
 #[cfg(test)]

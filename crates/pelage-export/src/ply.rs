@@ -1,19 +1,26 @@
-//! The skin as binary PLY.
+//! Surfaces as binary PLY.
 
 use super::{Job, skin_colors};
-use pelage_core::Result;
+use glam::Vec3;
+use pelage_core::{Result, Skin};
 use std::io::{self, Write};
 
-/// Writes the skin: positions, smoothed normals, and linear colours `r g b` if they vary over the
-/// vertices.
-pub(super) fn write(job: &mut Job<'_>, name: &str) -> Result<()> {
+/// Writes the skin and the objects, each to a file of its own: positions, smoothed normals, and
+/// linear colours `r g b` if they vary over the vertices.
+pub(super) fn write(job: &mut Job<'_>) -> Result<()> {
     let holds = job.skin_holds();
-    job.file(name, holds, |job, out| ply(job, out))
+    job.file("skin.ply", holds, |job, out| ply(&job.world.skin, &skin_colors(job.world), out))?;
+    for i in 0..job.objects.len() {
+        let (name, holds) = (job.objects[i].file(), job.objects[i].holds());
+        job.file(&name, holds, |job, out| {
+            let of = &job.objects[i];
+            ply(&of.object.surface, &of.colors, out)
+        })?;
+    }
+    Ok(())
 }
 
-fn ply(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let skin = &job.world.skin;
-    let colors = skin_colors(job.world);
+fn ply(skin: &Skin, colors: &[Vec3], out: &mut dyn Write) -> io::Result<()> {
     let colored = colors.len() == skin.positions.len();
     writeln!(out, "ply\nformat binary_little_endian 1.0\ncomment {}", Job::title())?;
     writeln!(out, "element vertex {}", skin.positions.len())?;

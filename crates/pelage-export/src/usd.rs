@@ -1,10 +1,11 @@
 //! OpenUSD in text form: everything but the sky's map in one file, scene.usda.
 
+use super::objects::Exported;
 use super::sky::{self, Sky};
 use super::{Job, curves, skin_colors};
 use glam::Vec3;
-use pelage_core::Result;
 use pelage_core::light::Light;
+use pelage_core::{Result, Skin};
 use pelage_fur::Layer;
 use pelage_pathtrace::strands::Strands;
 use std::io::{self, Write};
@@ -19,6 +20,7 @@ pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
         job.wrote(path, holds)?;
     }
     let mut holds = vec![job.skin_holds()];
+    holds.extend(job.objects.iter().map(Exported::holds));
     holds.extend(job.strands.iter().map(curves::holds));
     job.file("scene.usda", holds.join(", "), |job, out| stage(job, notes, out))
 }
@@ -35,7 +37,11 @@ fn stage(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()>
         distant(i, light, out)?;
     }
     dome(job, out)?;
-    skin(job, out)?;
+    writeln!(out, "    def Mesh \"Skin\"\n    {{")?;
+    surface(&job.world.skin, &skin_colors(job.world), out)?;
+    writeln!(out, "    }}\n")?;
+    job.objects.iter().try_for_each(|of| object(of, out))?;
+    looks(job, out)?;
     for strands in job.strands {
         layer(strands, out)?;
     }
@@ -136,9 +142,9 @@ fn interpolation(out: &mut dyn Write, kind: &str) -> io::Result<()> {
     writeln!(out, " (\n            interpolation = \"{kind}\"\n        )")
 }
 
-fn skin(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let skin = &job.world.skin;
-    writeln!(out, "    def Mesh \"Skin\"\n    {{\n        uniform token subdivisionScheme = \"none\"")?;
+/// The points, triangles and colours of a mesh.
+fn surface(skin: &Skin, colors: &[Vec3], out: &mut dyn Write) -> io::Result<()> {
+    writeln!(out, "        uniform token subdivisionScheme = \"none\"")?;
     extent(skin.positions.iter().map(|p| (*p, 0.0)), out)?;
     array(out, "int[] faceVertexCounts", skin.triangles.iter(), |out, _| write!(out, "3"))?;
     writeln!(out)?;
@@ -154,10 +160,60 @@ fn skin(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
         })?;
         interpolation(out, "faceVarying")?;
     }
-    let colors = skin_colors(job.world);
     let kind = if colors.len() > 1 { "vertex" } else { "constant" };
     array(out, "color3f[] primvars:displayColor", colors.iter(), |out, c| vector(out, *c))?;
-    interpolation(out, kind)?;
+    interpolation(out, kind)
+}
+
+fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
+    let shown: String = of.object.name.chars().filter(|c| !c.is_control()).collect();
+    let shown = shown.replace('\\', "\\\\").replace('"', "\\\"");
+    writeln!(out, "    def Mesh \"{}\" (\n        displayName = \"{shown}\"", of.stem)?;
+    writeln!(out, "        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {{")?;
+    writeln!(out, "        uniform bool doubleSided = 1")?;
+    surface(&of.object.surface, &of.colors, out)?;
+    writeln!(out, "        rel material:binding = </World/Looks/{}>\n    }}\n", of.stem)
+}
+
+/// Materials of the objects.
+fn looks(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
+    if job.objects.is_empty() {
+        return Ok(());
+    }
+    writeln!(out, "    def Scope \"Looks\"\n    {{")?;
+    for of in &job.objects {
+        let (m, place) = (&of.object.material, format!("/World/Looks/{}", of.stem));
+        writeln!(out, "        def Material \"{}\"\n        {{", of.stem)?;
+        writeln!(out, "            token outputs:surface.connect = <{place}/Surface.outputs:surface>\n")?;
+        writeln!(out, "            def Shader \"Surface\"\n            {{")?;
+        writeln!(out, "                uniform token info:id = \"UsdPreviewSurface\"")?;
+        match of.colors.as_slice() {
+            [c] => {
+                writeln!(out, "                color3f inputs:diffuseColor = ({}, {}, {})", c.x, c.y, c.z)?
+            }
+            _ => writeln!(
+                out,
+                "                color3f inputs:diffuseColor.connect = <{place}/Color.outputs:result>"
+            )?,
+        }
+        for (name, value) in [
+            ("roughness", m.roughness),
+            ("metallic", m.metallic),
+            ("clearcoat", m.clearcoat),
+            ("clearcoatRoughness", m.clearcoat_roughness),
+            ("ior", 1.5),
+        ] {
+            writeln!(out, "                float inputs:{name} = {value}")?;
+        }
+        writeln!(out, "                token outputs:surface\n            }}")?;
+        if of.colors.len() > 1 {
+            writeln!(out, "\n            def Shader \"Color\"\n            {{")?;
+            writeln!(out, "                uniform token info:id = \"UsdPrimvarReader_float3\"")?;
+            writeln!(out, "                string inputs:varname = \"displayColor\"")?;
+            writeln!(out, "                float3 outputs:result\n            }}")?;
+        }
+        writeln!(out, "        }}\n")?;
+    }
     writeln!(out, "    }}\n")
 }
 

@@ -5,6 +5,7 @@
 //! towards the light. The index of refraction is 1.5.
 // [GLTF2] appendix B, KHR_materials_clearcoat
 
+use crate::strand_curve::{side_at, sides};
 use glam::{Vec2, Vec3};
 use pelage_core::World;
 use pelage_core::film::tonemap::luminance;
@@ -56,6 +57,17 @@ pub fn spreads(world: &World) -> Vec<f32> {
         angles.fold(2.0 * equal, f32::min) / 2.0
     };
     world.lights.iter().map(|l| if l.environment { 0.5 * radius(l.direction) } else { 0.0 }).collect()
+}
+
+/// A direction from the part of the sky that a light stands for, mirrored to above the surface.
+pub fn within_light(l: Vec3, spread: f32, [u, v]: [f32; 2], up: Vec3) -> Vec3 {
+    if spread == 0.0 {
+        return l;
+    }
+    let cosine = 1.0 - u * (1.0 - (2.0 * spread).cos());
+    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
+    let d = cosine * l + sine * side_at(sides(l), TAU * v);
+    d - 2.0 * d.dot(up).min(0.0) * up
 }
 
 /// Reflectance by Schlick's approximation.

@@ -59,7 +59,7 @@ pub struct Accumulator {
 pub fn add(means: &mut Means, index: u32, sample: &PixelSample) {
     let mut step = |k: usize, inverse: f32, value: f32| means[k] += (value - means[k]) * inverse;
     let color = sample.weight * sample.radiance;
-    let alpha = if sample.layer.is_some() { sample.weight } else { 0.0 };
+    let alpha = sample.weight * sample.alpha;
     let half = (index & 1) as usize;
     let of_half = 1.0 / ((index >> 1) + 1) as f32;
     for (k, value) in [color.x, color.y, color.z, alpha].into_iter().enumerate() {

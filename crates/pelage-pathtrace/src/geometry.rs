@@ -1,18 +1,17 @@
-//! What rays meet: the skin's triangles and the hairs' segments, each in a hierarchy of its own.
+//! What rays meet: the triangles of surfaces and the hairs' segments, each in hierarchies of their
+//! own.
 
 use super::{
     bvh::{Bounds, Bvh, Part, Ray, Stack},
     curve::{self, Cone, Span},
     segments::{check, mark_ends, part_bounds},
     strands::Strands,
+    surfaces::{SurfaceHit, Surfaces},
 };
-use glam::{Vec3, Vec3A, Vec4};
-use pelage_core::{Error, Result, Skin, World};
+use glam::{Vec3A, Vec4};
+use pelage_core::{Error, Result, World};
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
-use pelage_fur::groom;
-use pelage_fur::groom::PackedGroom;
-use pelage_fur::parameters::{Maps, Parameter, triangle_point};
 use pelage_fur::random::{hash2, random};
 
 /// Hairs of a layer, whose points are in [`Geometry::points`].
@@ -24,15 +23,14 @@ struct HairLayer {
     first: u32,
 }
 
-/// Skin and hairs.
+/// Skin, objects and hairs.
 pub struct Geometry {
     /// Points of all hairs: position and radius, cm. The radius is negative where no joint is.
     points: Vec<Vec4>,
     layers: Vec<HairLayer>,
     hair: Bvh,
-    skin: Skin,
-    triangles: Bvh,
-    groom: Box<PackedGroom>,
+    /// Skin and objects.
+    pub surfaces: Surfaces,
     bounds: Bounds,
 }
 
@@ -53,23 +51,13 @@ pub struct HairHit {
     pub h: f32,
 }
 
-/// Where a ray meets the skin.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinHit {
-    triangle: u32,
-    /// Barycentric coordinates of corners 1 and 2.
-    lambda: [f32; 2],
-    /// Whether the ray comes from outside.
-    pub front: bool,
-}
-
 /// The nearest thing that a ray meets.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Hit {
     /// A hair.
     Hair(HairHit),
-    /// The skin.
-    Skin(SkinHit),
+    /// The skin or an object.
+    Surface(SurfaceHit),
 }
 
 /// The hair that a ray leaves, if any.
@@ -97,24 +85,13 @@ pub struct HairShading<'a> {
     pub hit: pelage_fur::fibre::Hit,
 }
 
-/// Shading data of the skin where it is met.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SkinShading {
-    /// Diffuse reflectance, linear RGB in 0..1.
-    pub reflectance: Vec3,
-    /// Smoothed normal, unit.
-    pub normal: Vec3,
-    /// Normal of the triangle, unit.
-    pub geometric_normal: Vec3,
-}
-
 impl Geometry {
-    /// Builds the hierarchies over the skin of `world` and over `layers` of hairs, each with its
-    /// scattering model.
+    /// Builds the hierarchies over the surfaces of `world` and over `layers` of hairs, each with
+    /// its scattering model.
     ///
     /// # Errors
     /// [`Error::Unsupported`] where a layer's points, hairs and opacities do not fit each other, or
-    /// there are 2³¹ points or more.
+    /// there are 2³¹ points or more; as [`Surfaces::new`].
     pub fn new(world: &World, layers: Vec<(Strands, Fibre)>) -> Result<Self> {
         let mut points: Vec<Vec4> = Vec::new();
         let mut kept = Vec::new();
@@ -138,21 +115,11 @@ impl Geometry {
         }
         parts.shrink_to_fit();
         let hair = Bvh::build(parts, |part| part_bounds(&points, part));
-        let skin = world.skin.clone();
-        let all = (0..skin.triangles.len() as u32).map(|thing| Part { thing, part: 0, parts: 1 }).collect();
-        let triangles = Bvh::build(all, |part| {
-            let corners = skin.corners(part.thing as usize).map(Vec3A::from);
-            // Rounding would let rays miss boxes without thickness.
-            let pad = Vec3A::splat(1e-5);
-            Bounds {
-                low: corners[0].min(corners[1]).min(corners[2]) - pad,
-                high: corners[0].max(corners[1]).max(corners[2]) + pad,
-            }
-        });
+        let surfaces = Surfaces::new(world)?;
         let (low, high) = points
             .iter()
             .map(|p| (Vec3A::from(p.truncate()), p.w.abs()))
-            .chain(skin.positions.iter().map(|p| (Vec3A::from(*p), 0.0)))
+            .chain(surfaces.positions().iter().map(|p| (Vec3A::from(*p), 0.0)))
             .fold((Vec3A::INFINITY, Vec3A::NEG_INFINITY), |(low, high), (p, r)| {
                 (low.min(p - 2.0 * r), high.max(p + 2.0 * r))
             });
@@ -160,9 +127,7 @@ impl Geometry {
             points,
             layers: kept,
             hair,
-            skin,
-            triangles,
-            groom: Box::new(groom::pack(world)?),
+            surfaces,
             bounds: Bounds { low: low - 1e-3, high: high + 1e-3 },
         })
     }
@@ -175,14 +140,14 @@ impl Geometry {
     /// Memory that it holds, bytes.
     pub fn bytes(&self) -> u64 {
         let hairs: usize = self.layers.iter().map(|c| std::mem::size_of_val(&c.strands.hairs[..])).sum();
-        (std::mem::size_of_val(&self.points[..]) + hairs) as u64 + self.hair.bytes() + self.triangles.bytes()
+        (std::mem::size_of_val(&self.points[..]) + hairs) as u64 + self.hair.bytes() + self.surfaces.bytes()
     }
 
     /// The nearest thing that a ray meets, and its distance, cm. `word` is the random word that
     /// decides which translucent hairs let the ray pass.
     pub fn closest(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> Option<(Hit, f32)> {
-        let skin = self.closest_skin(ray, stack);
-        let limit = skin.map_or(f32::INFINITY, |(_, t)| t);
+        let surface = self.surfaces.closest(ray, stack);
+        let limit = surface.map_or(f32::INFINITY, |(_, t)| t);
         let mut best: Option<(u32, Cone, Span)> = None;
         let reached = self.hair.walk(ray, limit, stack, |point, limit| {
             match self.intersect_segment(ray, point, from, word, limit) {
@@ -193,33 +158,17 @@ impl Geometry {
                 None => limit,
             }
         });
-        let Some((point, cone, span)) = best else { return skin.map(|(hit, t)| (Hit::Skin(hit), t)) };
+        let Some((point, cone, span)) = best else {
+            return surface.map(|(hit, t)| (Hit::Surface(hit), t));
+        };
         let (along, radius, h) = cone.place(&span, ray.direction, reached);
         let position = cone.start + along * cone.length * cone.axis;
         Some((Hit::Hair(HairHit { point, axis: cone.axis, position, along, radius, h }), reached))
     }
 
-    /// Where a ray first meets the skin, and the distance, cm.
-    pub fn closest_skin(&self, ray: &Ray, stack: &mut Stack) -> Option<(SkinHit, f32)> {
-        let mut best = None;
-        let t = self.triangles.walk(ray, f32::INFINITY, stack, |triangle, limit| {
-            match self.intersect_triangle(ray, triangle, limit) {
-                Some((t, hit)) => {
-                    best = Some(hit);
-                    t
-                }
-                None => limit,
-            }
-        });
-        best.map(|hit| (hit, t))
-    }
-
     /// Whether anything blocks a ray of unbounded length; `word` as in [`Geometry::closest`].
     pub fn blocked(&self, ray: &Ray, from: &RayOrigin, word: u32, stack: &mut Stack) -> bool {
-        let skin = self.triangles.walk(ray, f32::INFINITY, stack, |triangle, limit| {
-            self.intersect_triangle(ray, triangle, limit).map_or(limit, |_| -1.0)
-        });
-        skin < 0.0
+        self.surfaces.blocked(ray, stack)
             || self.hair.walk(ray, f32::INFINITY, stack, |point, limit| {
                 self.intersect_segment(ray, point, from, word, limit).map_or(limit, |_| -1.0)
             }) < 0.0
@@ -299,25 +248,6 @@ impl Geometry {
         later.unwrap_or(&self.layers[0])
     }
 
-    // [MollerTrumbore1997]
-    fn intersect_triangle(&self, ray: &Ray, triangle: u32, limit: f32) -> Option<(f32, SkinHit)> {
-        let [a, b, c] = self.skin.corners(triangle as usize).map(Vec3A::from);
-        let (e1, e2) = (b - a, c - a);
-        let p = ray.direction.cross(e2);
-        let determinant = e1.dot(p);
-        if determinant == 0.0 {
-            return None;
-        }
-        let inverse = 1.0 / determinant;
-        let s = ray.origin - a;
-        let u = s.dot(p) * inverse;
-        let q = s.cross(e1);
-        let v = ray.direction.dot(q) * inverse;
-        let t = e2.dot(q) * inverse;
-        let met = u >= 0.0 && v >= 0.0 && u + v <= 1.0 && t > 0.0 && t < limit;
-        met.then_some((t, SkinHit { triangle, lambda: [u, v], front: determinant > 0.0 }))
-    }
-
     /// Shading data of a hair where it is met.
     pub fn hair_shading(&self, hit: &HairHit) -> HairShading<'_> {
         let layer = self.layer_of(hit.point);
@@ -342,21 +272,6 @@ impl Geometry {
         debug_assert_eq!(first, layer.first + (strand * (layer.strands.segments + 1)) as u32);
         let sin = (1.0 - direction.dot(hit.axis).powi(2)).max(1e-6).sqrt();
         RayOrigin { first, end: first + layer.strands.segments as u32 + 1, clear: 1.01 * hit.radius / sin }
-    }
-
-    /// Shading data of the skin where it is met.
-    pub fn skin_shading(&self, hit: &SkinHit) -> SkinShading {
-        let [l1, l2] = hit.lambda;
-        let triangle = hit.triangle as usize;
-        let at = triangle_point(&self.skin, triangle, Vec3::new(1.0 - l1 - l2, l1, l2));
-        let maps = Maps { groom: &self.groom.groom, texels: &self.groom.texels };
-        let reflectance = maps.color(Parameter::BaseColor, &at);
-        let [a, b, c] = self.skin.corners(triangle);
-        SkinShading {
-            reflectance: reflectance.clamp(Vec3::ZERO, Vec3::ONE),
-            normal: at.normal,
-            geometric_normal: (b - a).cross(c - a).normalize_or(at.normal),
-        }
     }
 }
 

@@ -7,20 +7,21 @@
 
 use super::{
     bvh::{Ray, Stack},
-    camera::View,
+    camera::{CameraRay, View},
     curve,
-    geometry::{Geometry, HairHit, HairShading, Hit, RayOrigin, SkinHit, SkinShading},
+    geometry::{Geometry, HairHit, HairShading, Hit, RayOrigin},
     light::Lights,
     random::Numbers,
+    surface::{Scattering, SurfaceShading},
 };
 use glam::{Vec3, Vec3A};
 use pelage_core::light::Light;
 use pelage_fur::Layer;
 use pelage_fur::fibre::Fibre;
-use pelage_fur::random::hash2;
+use pelage_fur::material::within_light;
+use pelage_fur::random::{hash2, random};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
-use std::f32::consts::{PI, TAU};
 
 /// How light is gathered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize, JsonSchema)]
@@ -44,7 +45,8 @@ pub enum Strategy {
     Scattering,
 }
 
-/// Number of the skin in [`PixelSample::layer`], where hairs are 0 (guard) and 1 (undercoat).
+/// Number of skin and objects in [`PixelSample::layer`], where hairs are 0 (guard) and 1
+/// (undercoat).
 pub const BASE: usize = 2;
 
 /// What one sample contributes to its pixel.
@@ -52,16 +54,20 @@ pub const BASE: usize = 2;
 pub struct PixelSample {
     /// Radiance.
     pub radiance: Vec3,
-    /// What was hit first: 0 guard hair, 1 undercoat, [`BASE`] skin; `None` without a hit.
+    /// What was hit first: 0 guard hair, 1 undercoat, [`BASE`] skin or object; `None` without a
+    /// hit.
     pub layer: Option<usize>,
+    /// How much of the background it hides: 1, of a shadow catcher the share of light that is
+    /// missing; 0 without a hit.
+    pub alpha: f32,
     /// Depth of the first hit, cm along the viewing direction.
     pub depth: f32,
-    /// Normal at the first hit: smoothed, of the skin; of a hair, that of a ribbon that faces the
-    /// camera.
+    /// Normal at the first hit: smoothed, of a surface; of a hair, that of a ribbon that faces the
+    /// camera. Times `alpha`.
     pub normal: Vec3,
     /// Colour of what was hit first.
     pub albedo: Vec3,
-    /// Direction of the hair that was hit first, from root to tip; 0 on the skin.
+    /// Direction of the hair that was hit first, from root to tip; 0 on surfaces.
     pub tangent: Vec3,
     /// Weight by the pixel's filter.
     pub weight: f32,
@@ -71,7 +77,7 @@ pub struct PixelSample {
 
 /// Everything that samples are traced with.
 pub struct Tracer {
-    /// Skin and hairs.
+    /// Surfaces and hairs.
     pub geometry: Geometry,
     /// Lights.
     pub lights: Lights,
@@ -93,11 +99,8 @@ pub struct Tracer {
 enum Vertex<'a> {
     /// Hit, shading data, the fibre's frame, and in it the direction back along the ray.
     Hair(HairHit, HairShading<'a>, [Vec3A; 3], Vec3),
-    Skin {
-        shading: SkinShading,
-        /// Where rays leave: just off the triangle.
-        position: Vec3A,
-    },
+    /// Shading data, and the direction back along the ray.
+    Surface(SurfaceShading, Vec3),
 }
 
 /// Scatterings before Russian roulette may end a path.
@@ -105,10 +108,6 @@ const ROULETTE_FROM: u32 = 12;
 
 /// Russian roulette ends no path that has a channel with a larger throughput than this.
 const ROULETTE_BELOW: f32 = 0.1;
-
-/// Distance that keeps rays off the triangle that they leave, relative to the size of the
-/// coordinates.
-const SKIN_OFFSET: f32 = 2e-6;
 
 impl Tracer {
     /// Traces sample `index` of a pixel.
@@ -126,6 +125,9 @@ impl Tracer {
         loop {
             let found = self.geometry.closest(&ray, &from, numbers.word(), stack);
             sample.rays += 1;
+            if scatterings == 0 && self.catches(&mut sample, &camera, found.map(|f| f.1), &numbers, stack) {
+                return sample;
+            }
             let Some((hit, distance)) = found else {
                 if let (Some(sky), true) = (&self.lights.sky, scatterings > 0) {
                     let (radiance, pdf) = sky.evaluate(ray.direction.into());
@@ -138,13 +140,12 @@ impl Tracer {
                 }
                 return sample;
             };
-            let vertex = self.vertex(&hit, &ray, distance);
+            let (vertex, goes_on) = self.vertex(&hit, &ray, distance);
             if scatterings == 0 {
-                self.record_first_hit(&mut sample, &hit, &camera.ray, &vertex);
+                record_first_hit(&mut sample, &camera.ray, &vertex);
                 sample.depth = camera.depth + distance * camera.depth_rate;
             }
-            let Some(vertex) = vertex else { return sample };
-            if scatterings >= most {
+            if !goes_on || scatterings >= most {
                 return sample;
             }
             let [pick, u, v, chance] = numbers.four();
@@ -173,47 +174,42 @@ impl Tracer {
         }
     }
 
-    /// Records what the camera ray hits first.
-    fn record_first_hit(&self, sample: &mut PixelSample, hit: &Hit, ray: &Ray, vertex: &Option<Vertex<'_>>) {
-        match (hit, vertex) {
-            (Hit::Hair(hair), Some(Vertex::Hair(_, shaded, _, _))) => {
-                sample.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });
-                sample.albedo = shaded.hit.tint;
-                sample.tangent = hair.axis.into();
-                let back = Vec3::from(-ray.direction);
-                let across = back - sample.tangent * back.dot(sample.tangent);
-                sample.normal = across.try_normalize().unwrap_or(back);
-            }
-            (Hit::Skin(skin), _) => {
-                let shading = self.geometry.skin_shading(skin);
-                sample.layer = Some(BASE);
-                sample.albedo = shading.reflectance;
-                sample.normal = shading.normal;
-            }
-            (Hit::Hair(_), _) => {}
-        }
+    /// Whether the camera ray meets a shadow catcher before the hit at `distance`. Then the sample
+    /// is done.
+    fn catches(
+        &self,
+        sample: &mut PixelSample,
+        camera: &CameraRay,
+        distance: Option<f32>,
+        numbers: &Numbers,
+        stack: &mut Stack,
+    ) -> bool {
+        let limit = distance.unwrap_or(f32::INFINITY);
+        let found = self.geometry.surfaces.closest_catcher(&camera.ray, limit, stack);
+        let Some((hit, distance)) = found else { return false };
+        let shading = self.geometry.surfaces.shading(&hit, &camera.ray, distance);
+        sample.layer = Some(BASE);
+        sample.alpha = self.missing_light(&shading, numbers, stack, &mut sample.rays);
+        sample.normal = sample.alpha * shading.normal;
+        sample.depth = camera.depth + distance * camera.depth_rate;
+        true
     }
 
-    /// The vertex of a hit; `None` on the skin's inner side, where paths end.
-    fn vertex(&self, hit: &Hit, ray: &Ray, distance: f32) -> Option<Vertex<'_>> {
+    /// The vertex of a hit, and whether paths go on from there: on the skin's inner side they end.
+    fn vertex(&self, hit: &Hit, ray: &Ray, distance: f32) -> (Vertex<'_>, bool) {
+        let back = -ray.direction;
         match hit {
             Hit::Hair(hair) => {
-                let back = -ray.direction;
                 let (y, z) = curve::frame(hair.axis, back);
                 let local = Vec3::new(back.dot(hair.axis), back.dot(y), back.dot(z));
-                Some(Vertex::Hair(*hair, self.geometry.hair_shading(hair), [hair.axis, y, z], local))
+                (Vertex::Hair(*hair, self.geometry.hair_shading(hair), [hair.axis, y, z], local), true)
             }
-            Hit::Skin(skin) => self.skin_vertex(skin, ray, distance),
+            Hit::Surface(hit) => {
+                let shading = self.geometry.surfaces.shading(hit, ray, distance);
+                let ends = matches!(shading.scattering, Scattering::Skin(_)) && !hit.front;
+                (Vertex::Surface(shading, back.into()), !ends)
+            }
         }
-    }
-
-    fn skin_vertex(&self, skin: &SkinHit, ray: &Ray, distance: f32) -> Option<Vertex<'_>> {
-        skin.front.then(|| {
-            let shading = self.geometry.skin_shading(skin);
-            let at = ray.origin + distance * ray.direction;
-            let offset = SKIN_OFFSET * (1.0 + at.abs().max_element());
-            Vertex::Skin { shading, position: at + offset * Vec3A::from(shading.geometric_normal) }
-        })
     }
 
     /// The ray that leaves a vertex along a unit direction.
@@ -222,7 +218,7 @@ impl Tracer {
             Vertex::Hair(hit, ..) => {
                 (Ray::new(hit.position, direction), self.geometry.origin_on_hair(hit, direction))
             }
-            Vertex::Skin { position, .. } => (Ray::new(*position, direction), RayOrigin::default()),
+            Vertex::Surface(shading, _) => (Ray::new(shading.position, direction), RayOrigin::default()),
         }
     }
 
@@ -247,15 +243,29 @@ impl Tracer {
                 sum += light;
             }
         };
-        let towards = |light: &Light| light.irradiance * vertex.scatter(light.direction);
+        // Where the light is looked for, and what it gives.
+        let towards = |i: usize| {
+            let (light, spread) = (&self.lights.directional[i], self.lights.spreads[i]);
+            let way = match vertex {
+                Vertex::Surface(shading, _) if spread > 0.0 && shading.is_object() => {
+                    let seed = hash2(numbers.word(), 0x5f7e ^ i as u32);
+                    let u = [random(seed, 0), random(seed, 1)];
+                    within_light(light.direction, spread, u, shading.geometric_normal)
+                }
+                _ => light.direction,
+            };
+            (way, light.irradiance * vertex.scatter(light.direction, spread))
+        };
         if self.integrator == Integrator::Single {
-            for (i, light) in (1..).zip(&self.lights.directional) {
+            for (i, light) in self.lights.directional.iter().enumerate() {
                 if vertex.lit_by(light) {
-                    add(light.direction, towards(light), i);
+                    let (way, light) = towards(i);
+                    add(way, light, i as u32 + 1);
                 }
             }
-        } else if let Some((light, chance)) = self.lights.pick(pick) {
-            add(light.direction, towards(light) / chance, 1);
+        } else if let Some((i, chance)) = self.lights.pick(pick) {
+            let (way, light) = towards(i);
+            add(way, light / chance, 1);
         }
         if let (Some(sky), true) = (&self.lights.sky, self.strategy != Strategy::Scattering) {
             let drawn = sky.sample([u, v]);
@@ -264,7 +274,7 @@ impl Tracer {
                     Strategy::Both => drawn.pdf / (drawn.pdf + vertex.pdf(drawn.direction)),
                     _ => 1.0,
                 };
-                let light = drawn.radiance * vertex.scatter(drawn.direction) * (share / drawn.pdf);
+                let light = drawn.radiance * vertex.scatter(drawn.direction, 0.0) * (share / drawn.pdf);
                 add(drawn.direction, light, 0);
             }
         }
@@ -277,7 +287,7 @@ impl Vertex<'_> {
     fn lit_by(&self, light: &Light) -> bool {
         match self {
             Self::Hair(_, shaded, ..) => shaded.layer == Layer::Guard || light.undercoat,
-            Self::Skin { .. } => true,
+            Self::Surface(..) => true,
         }
     }
 
@@ -286,20 +296,16 @@ impl Vertex<'_> {
         Vec3::new(d.dot(*x), d.dot(*y), d.dot(*z))
     }
 
-    /// Scattering from `direction` back along the ray, times the cosine of incidence, 1/sr.
-    fn scatter(&self, direction: Vec3) -> Vec3 {
+    /// Scattering from `direction` back along the ray, times the cosine of incidence, 1/sr. Lobes
+    /// of objects are widened by `spread`.
+    fn scatter(&self, direction: Vec3, spread: f32) -> Vec3 {
         match self {
             Self::Hair(_, shaded, frame, back) => {
                 let wi = Self::local(frame, direction);
                 let cos = (1.0 - wi.x * wi.x).max(0.0).sqrt();
                 shaded.fibre.evaluate(&shaded.hit, wi, *back) * cos
             }
-            Self::Skin { shading: SkinShading { reflectance, normal, geometric_normal }, .. } => {
-                if geometric_normal.dot(direction) <= 0.0 {
-                    return Vec3::ZERO;
-                }
-                *reflectance * (normal.dot(direction).max(0.0) / PI)
-            }
+            Self::Surface(shading, back) => shading.scatter(*back, direction, spread),
         }
     }
 
@@ -309,7 +315,7 @@ impl Vertex<'_> {
             Self::Hair(_, shaded, frame, back) => {
                 shaded.fibre.pdf(&shaded.hit, Self::local(frame, direction), *back)
             }
-            Self::Skin { shading, .. } => shading.normal.dot(direction).max(0.0) / PI,
+            Self::Surface(shading, back) => shading.pdf(*back, direction),
         }
     }
 
@@ -324,14 +330,27 @@ impl Vertex<'_> {
                 let direction = d.x * *x + d.y * *y + d.z * *z;
                 Some((direction.normalize().into(), sampled.pdf, sampled.weight))
             }
-            Self::Skin { shading: SkinShading { reflectance, normal, geometric_normal }, .. } => {
-                let (side, other) = normal.any_orthonormal_pair();
-                let (sin, cos) = (TAU * u[1]).sin_cos();
-                let r = u[0].sqrt();
-                let height = (1.0 - u[0]).max(0.0).sqrt();
-                let direction = (r * cos * side + r * sin * other + height * *normal).normalize();
-                (geometric_normal.dot(direction) > 0.0).then_some((direction, height / PI, *reflectance))
-            }
+            Self::Surface(shading, back) => shading.sample(*back, u),
+        }
+    }
+}
+
+/// Records what the camera ray hits first.
+fn record_first_hit(sample: &mut PixelSample, ray: &Ray, vertex: &Vertex<'_>) {
+    sample.alpha = 1.0;
+    match vertex {
+        Vertex::Hair(hair, shaded, _, _) => {
+            sample.layer = Some(if shaded.layer == Layer::Guard { 0 } else { 1 });
+            sample.albedo = shaded.hit.tint;
+            sample.tangent = hair.axis.into();
+            let back = Vec3::from(-ray.direction);
+            let across = back - sample.tangent * back.dot(sample.tangent);
+            sample.normal = across.try_normalize().unwrap_or(back);
+        }
+        Vertex::Surface(shading, _) => {
+            sample.layer = Some(BASE);
+            sample.albedo = shading.albedo();
+            sample.normal = shading.normal;
         }
     }
 }

@@ -1,8 +1,9 @@
 //! The ground truth: the same fur with every hair a strand, path traced on the CPU.
 //!
 //! A world becomes [`Strands`], guard hairs and undercoat alike ([`grow`]); nothing of the prism
-//! shell or the optical-depth lattice is used. [`geometry`] holds skin and hairs: each segment of a
-//! hair is a truncated cone ([`curve`]), found through a hierarchy of boxes ([`bvh`]). [`camera`]
+//! shell or the optical-depth lattice is used. [`geometry`] holds hairs and [`surfaces`]: each
+//! segment of a hair is a truncated cone ([`curve`]), found through a hierarchy of boxes ([`bvh`]);
+//! surfaces are the triangles of skin and objects, whose scattering is in [`surface`]. [`camera`]
 //! makes rays, [`integrator`] follows them, [`light`] samples lights and sky, [`film`] keeps the
 //! means, and [`resume`] reads them back.
 //!
@@ -14,8 +15,11 @@
 //! from where on the hair's girth light leaves is not followed, which matters only at distances of
 //! a hair's width.
 //!
+//! # Surfaces
+//!
 //! The skin is opaque, and Lambertian on its outside. A path that meets it from the inside ends
-//! there, black.
+//! there, black. Objects are opaque and have the material of [`pelage_fur::material`] on both
+//! sides. Of a shadow catcher, only camera rays see anything: it blocks no light.
 //!
 //! # Randomness
 //!
@@ -25,6 +29,7 @@
 
 pub mod bvh;
 pub mod camera;
+mod catcher;
 pub mod curve;
 pub mod film;
 pub mod geometry;
@@ -38,6 +43,8 @@ pub mod random;
 pub mod resume;
 mod segments;
 pub mod strands;
+pub mod surface;
+pub mod surfaces;
 mod undercoat;
 
 pub use film::Accumulator;
@@ -144,7 +151,7 @@ pub struct Progress<'a> {
 /// A finished (or interrupted) rendering.
 #[derive(Debug, Clone)]
 pub struct Outcome {
-    /// Fur and skin without a background, premultiplied; see [`Accumulator::film`].
+    /// Fur, skin and objects without a background, premultiplied; see [`Accumulator::film`].
     pub film: Film,
     /// Samples per pixel.
     pub samples: u32,
@@ -162,9 +169,8 @@ pub struct Outcome {
 pub fn estimate(world: &World, layers: &[(Strands, Fibre)]) -> u64 {
     let hair: u64 = layers.iter().map(|(s, _)| memory::of_strands(s)).sum();
     let pixels = u64::from(world.scene.film.width) * u64::from(world.scene.film.height);
-    let skin = world.skin.triangles.len() as u64 * 200;
     // The means, their film, and the copy of it that is written.
-    hair + skin + pixels * (film::STATE.len() as u64 * 4 * 3 + 24)
+    hair + surfaces::bytes_of(world) + pixels * (film::STATE.len() as u64 * 4 * 3 + 24)
 }
 
 impl Tracer {
@@ -172,17 +178,16 @@ impl Tracer {
     /// `world`.
     ///
     /// # Errors
-    /// [`Error::Unsupported`] if the scene has objects, if the hairs take more than
-    /// `options.memory`, or as [`Geometry::new`]; [`Error::Scene`] if the environment's map is
-    /// missing.
+    /// [`Error::Unsupported`] if hairs and surfaces take more than `options.memory`, or as
+    /// [`Geometry::new`]; [`Error::Scene`] if the environment's map is missing.
     pub fn new(world: &World, layers: Vec<(Strands, Fibre)>, options: &Options<'_>) -> Result<Self> {
-        world.without_objects("the path tracer")?;
         let needed = estimate(world, &layers);
         if needed > options.memory {
             let hairs: usize = layers.iter().map(|(s, _)| s.hairs.len()).sum();
             return Err(Error::Unsupported(format!(
-                "found {hairs} hairs, which take about {:.1} GiB of main memory, expected at most {:.1} GiB: raise --memory, or trace \
-                 a part of the fur with --patch",
+                "found {hairs} hairs and {} triangles, which take about {:.1} GiB of main memory, expected at most {:.1} GiB: \
+                 raise --memory, or trace a part of the fur with --patch",
+                world.triangles(),
                 memory::gib(needed),
                 memory::gib(options.memory)
             )));

@@ -6,6 +6,7 @@ use pelage_core::film::tonemap::luminance;
 use pelage_core::light::Light;
 use pelage_core::light::environment::{Panorama, map_from_world};
 use pelage_core::{Result, World};
+use pelage_fur::material::spreads;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::f32::consts::{PI, TAU};
@@ -110,6 +111,15 @@ impl Sky {
         })
     }
 
+    /// The largest luminance over density of [`Sky::sample`]: of an untinted sky, the irradiance on
+    /// a surface that would face all of it.
+    pub fn most(&self) -> f32 {
+        match &self.map {
+            Some(map) => self.factor.max_element() / map.density,
+            None => luminance(self.factor) * 4.0 * PI,
+        }
+    }
+
     /// Radiance from a direction (unit, world space), linear RGB, and the density with which
     /// [`Sky::sample`] draws it, 1/sr.
     pub fn evaluate(&self, direction: Vec3) -> (Vec3, f32) {
@@ -176,6 +186,10 @@ pub struct Lights {
     sums: Vec<f32>,
     /// The environment.
     pub sky: Option<Sky>,
+    /// For each directional light half the angular radius of the part of the sky that it stands
+    /// for, radians, by which objects' lobes are widened and shadows on them softened; 0 for a
+    /// point.
+    pub spreads: Vec<f32>,
 }
 
 impl Lights {
@@ -188,7 +202,8 @@ impl Lights {
             sums.push(sum);
         }
         sums.iter_mut().for_each(|s| *s /= sum.max(f32::MIN_POSITIVE));
-        Self { directional, sums, sky }
+        let spreads = vec![0.0; directional.len()];
+        Self { directional, sums, sky, spreads }
     }
 
     /// The lights of `world` for a light model.
@@ -197,7 +212,7 @@ impl Lights {
     /// [`pelage_core::Error::Scene`] if the environment's map is missing or damaged.
     pub fn of(world: &World, assets: &Assets, model: LightModel) -> Result<Self> {
         Ok(match model {
-            LightModel::Scene => Self::new(world.lights.clone(), None),
+            LightModel::Scene => Self { spreads: spreads(world), ..Self::new(world.lights.clone(), None) },
             LightModel::Map => Self::new(
                 world.lights.iter().filter(|l| !l.environment).copied().collect(),
                 Sky::load(world, assets)?,
@@ -205,15 +220,15 @@ impl Lights {
         })
     }
 
-    /// Picks a directional light in proportion to its luminance: the light and the probability of
+    /// Picks a directional light in proportion to its luminance: its index and the probability of
     /// the pick.
-    pub fn pick(&self, u: f32) -> Option<(&Light, f32)> {
+    pub fn pick(&self, u: f32) -> Option<(usize, f32)> {
         if self.directional.is_empty() {
             return None;
         }
         let (i, _) = find(&self.sums, u);
         let chance = self.sums[i + 1] - self.sums[i];
-        (chance > 0.0).then(|| (&self.directional[i], chance))
+        (chance > 0.0).then_some((i, chance))
     }
 }
 

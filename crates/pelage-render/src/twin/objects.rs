@@ -10,12 +10,10 @@ use pelage_core::World;
 use pelage_core::film::tonemap::luminance;
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::layout::Frame;
-use pelage_fur::material::Material;
+use pelage_fur::material::{Material, within_light};
 use pelage_fur::parameters::{Maps, triangle_point};
 use pelage_fur::random::{hash2, random};
-use pelage_fur::strand_curve::{side_at, sides};
 use pelage_fur::view::sample_ray;
-use std::f32::consts::TAU;
 
 /// Distance that keeps shadow rays off their triangle, relative to the size of the coordinates.
 const OFFSET: f32 = 4e-6;
@@ -127,17 +125,6 @@ impl<'a> Surroundings<'a> {
         }
         Shaded { base: Base { z, radiance, normal, transparency }, albedo }
     }
-}
-
-/// A direction from the part of the sky that a light stands for, mirrored to above the surface.
-fn within_light(l: Vec3, spread: f32, [u, v]: [f32; 2], up: Vec3) -> Vec3 {
-    if spread == 0.0 {
-        return l;
-    }
-    let cosine = 1.0 - u * (1.0 - (2.0 * spread).cos());
-    let sine = (1.0 - cosine * cosine).max(0.0).sqrt();
-    let d = cosine * l + sine * side_at(sides(l), TAU * v);
-    d - 2.0 * d.dot(up).min(0.0) * up
 }
 
 /// Optical depth of the fur along a ray to infinity: the walls that it crosses, in order, cut it

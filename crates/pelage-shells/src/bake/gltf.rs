@@ -1,8 +1,8 @@
-//! Exports the fur as glTF 2.0: the skin as an ordinary mesh, and what shells and fins need in
-//! addition.
+//! Exports the fur as glTF 2.0: the skin as an ordinary mesh, what shells and fins need in
+//! addition, and the objects.
 //!
-//! `fur.gltf` and `fur.bin` hold one mesh, in centimetres, under a node that scales to glTF's
-//! metres. Its attributes:
+//! `fur.gltf` and `fur.bin` hold the skin as first mesh, in centimetres, under a node that scales
+//! to glTF's metres. Its attributes:
 //!
 //! | attribute | contents |
 //! |---|---|
@@ -15,12 +15,16 @@
 //! | `_FUR_NORMAL` | direction of upright hair |
 //! | `_FUR_COLOR` | factor on the textures' colour |
 //!
+//! The scene's objects follow as ordinary meshes under nodes of their own, with glTF's materials.
+//!
 //! The root's `extras.pelage` is an [`Extras`]: metadata of the textures, edges for fins, settings,
 //! view and lights.
 // [GLTF2]
 
+mod objects;
 mod points;
 
+pub use objects::notes;
 pub use points::{Clothed, FinEdge, clothe, fin_edges};
 
 use super::{FurTextures, Manifest, Texture};
@@ -278,25 +282,37 @@ fn document(
     };
     let extras = serde_json::to_value(extras)
         .map_err(|e| Error::Encoding(format!("{GLTF_FILE}: the settings cannot be encoded as JSON: {e}")))?;
-    let document = json!({
+    let objects = objects::parts(world, &mut bin);
+    let mut meshes = vec![json!({
+        "name": "skin",
+        "primitives": [{ "attributes": attributes, "indices": indices, "material": 0 }],
+    })];
+    meshes.extend(objects.iter().map(|o| o.mesh.clone()));
+    let mut materials = vec![json!({
+        "name": "skin",
+        "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 },
+    })];
+    materials.extend(objects.iter().map(|o| o.material.clone()));
+    // Centimetres to metres.
+    let node = |name: &Value, mesh: usize| json!({ "name": name, "mesh": mesh, "scale": [0.01, 0.01, 0.01] });
+    let mut nodes = vec![node(&json!("fur"), 0)];
+    nodes.extend((1..).zip(&objects).map(|(i, o)| node(&o.mesh["name"], i)));
+    let mut document = json!({
         "asset": { "version": "2.0", "generator": concat!("pelage ", env!("CARGO_PKG_VERSION")) },
         "scene": 0,
-        "scenes": [{ "nodes": [0] }],
-        // Centimetres to metres.
-        "nodes": [{ "name": "fur", "mesh": 0, "scale": [0.01, 0.01, 0.01] }],
-        "meshes": [{
-            "name": "skin",
-            "primitives": [{ "attributes": attributes, "indices": indices, "material": 0 }],
-        }],
-        "materials": [{
-            "name": "skin",
-            "pbrMetallicRoughness": { "metallicFactor": 0.0, "roughnessFactor": 1.0 },
-        }],
+        "scenes": [{ "nodes": (0..nodes.len()).collect::<Vec<_>>() }],
+        "nodes": nodes,
+        "meshes": meshes,
+        "materials": materials,
         "buffers": [{ "uri": BIN_FILE, "byteLength": bin.bytes.len() }],
         "bufferViews": bin.views,
         "accessors": bin.accessors,
         "extras": { "pelage": extras },
     });
+    let extensions = objects::extensions(&objects);
+    if !extensions.is_empty() {
+        document["extensionsUsed"] = json!(extensions);
+    }
     Ok((document, bin.bytes))
 }
 

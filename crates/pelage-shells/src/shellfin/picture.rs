@@ -66,7 +66,6 @@ impl Pictures {
 /// # Errors
 /// As [`crate::render::render`], and those of [`super::textures`] and [`Shellfins::new`].
 pub fn run(rendering: &mut Rendering, gpu: &Gpu, world: &World, options: &RenderOptions<'_>) -> Result<bool> {
-    world.without_objects("a picture of shells and fins")?;
     let Rendering { film, done, timings, .. } = &mut *rendering;
     let complete = render_tiles(gpu, world, options, film, done, timings)?;
     rendering.stats = Stats {

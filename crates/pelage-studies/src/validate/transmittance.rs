@@ -129,7 +129,7 @@ pub fn through(geometry: &Geometry, height: f32, angle: f32, rays: u32) -> f64 {
             let start = end + ABOVE * height / angle.cos() * up;
             let ray = Ray::new(Vec3A::from(start), Vec3A::from(-up));
             let hit = geometry.closest(&ray, &RayOrigin::default(), h, stack);
-            u32::from(matches!(hit, Some((Hit::Skin(_), _))))
+            u32::from(matches!(hit, Some((Hit::Surface(_), _))))
         })
         .sum();
     f64::from(passed) / f64::from(rays)
