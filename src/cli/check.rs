@@ -7,7 +7,7 @@ use clap::Args;
 use pelage::render::{self, RenderOptions};
 use pelage::scene::Scalar;
 use pelage::{Error, Result, Scene, World};
-use pelage_core::scene::{Coat, FurLayers};
+use pelage_core::scene::Coat;
 use pelage_fur::extent::Extent;
 use pelage_render::prepare::{lattice_bytes, stores_undercoat, strand_bytes};
 use serde::Serialize;

@@ -6,7 +6,7 @@ use crate::light::Light;
 use crate::maps::{self, MapSet};
 use crate::objects::{self, Object};
 use crate::scene::{Background, FurLayers};
-use crate::{Error, Result, Scene, Skin, stage};
+use crate::{Result, Scene, Skin, stage};
 
 /// A scene with its assets.
 #[derive(Debug, Clone)]
