@@ -118,7 +118,7 @@ fn a_small_light_keeps_its_power() {
             let map = probe.panorama(side, &texels).unwrap();
             let ratio = map.total().x / (1000.0 * solid_angle);
             println!("{probe:?} at {at:?}: {ratio}");
-            assert!((ratio - 1.0).abs() < 0.06, "{probe:?} at {at:?}: {ratio}");
+            assert!((ratio - 1.0).abs() < 0.03, "{probe:?} at {at:?}: {ratio}");
             // And it is where it should be.
             let brightest =
                 (0..map.texels.len()).max_by(|a, b| map.texels[*a][0].total_cmp(&map.texels[*b][0]));
@@ -133,7 +133,7 @@ proptest! {
     #![proptest_config(cases(200))]
 
     #[test]
-    fn places_and_directions_invert(radius in 0.001f64..0.999, azimuth in 0.0f64..6.28) {
+    fn places_and_directions_invert(radius in 0.001f64..0.999, azimuth in 0.0f64..6.2) {
         for probe in BOTH {
             let place = [radius * azimuth.cos(), radius * azimuth.sin()];
             let direction = probe.direction_of(place);
@@ -146,7 +146,7 @@ proptest! {
     /// A ball of radius 1 at the origin, seen by a camera that looks to -z: what its surface at a
     /// place of the image mirrors.
     #[test]
-    fn a_mirror_ball_mirrors(radius in 0.001f64..0.999, azimuth in 0.0f64..6.28) {
+    fn a_mirror_ball_mirrors(radius in 0.001f64..0.999, azimuth in 0.0f64..6.2) {
         let [x, y] = [radius * azimuth.cos(), radius * azimuth.sin()];
         let normal = DVec3::new(x, y, (1.0 - x * x - y * y).sqrt());
         let seen = DVec3::NEG_Z;
