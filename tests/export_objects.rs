@@ -3,6 +3,7 @@
 use crate::common::Folder;
 use crate::export::{SCENE, between, close, elements, numbers, strands, text};
 use glam::Vec3;
+use pelage_core::scene::{MeshSpec, Shape};
 use pelage_core::{Scene, World};
 use pelage_export::{self as export, EnvironmentAs, Target, Written};
 use std::path::Path;
@@ -27,6 +28,10 @@ clearcoat_roughness = 0.2
 name = 'bell'
 mesh = { shape = 'sphere', scale = 0.05, translate = [2, 1, 0] }
 material = { color = [0.75, 0.5, 0.25], metallic = 1, roughness = 0.4 }
+[[objects]]
+name = 'sign'
+mesh = { shape = 'plane', scale = 0.1, translate = [0, 3, 0] }
+material = { color = { map = 'sign.png', value = [1, 0.5, 1] } }
 ";
 
 const GROUND: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\nproperty float z\n\
@@ -36,6 +41,10 @@ const GROUND: &str = "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\
 fn export_objects(out: &Folder, target: Target) -> Vec<Written> {
     let folder = Folder::new();
     folder.write("ground.ply", GROUND);
+    // Red and green above blue and white.
+    let texels = [[255, 0, 0], [0, 255, 0], [0, 0, 255], [255; 3]];
+    let map = image::RgbImage::from_fn(2, 2, |x, y| image::Rgb(texels[(2 * y + x) as usize]));
+    map.save(folder.path().join("sign.png")).unwrap();
     let path = folder.write("scene.toml", format!("{SCENE}{OBJECTS}"));
     let (scene, assets) = Scene::load(Path::new(&path), &[]).expect("a scene");
     let world = World::load(scene, &assets).expect("a world");
@@ -184,7 +193,8 @@ fn deviations_of_objects_are_listed() {
         let knows = target == Target::Blender;
         assert!(has("shadow catcher \"the ground\" blocks light") == knows, "{target:?}");
         assert!(has("\"the ground\" only catches shadows") != knows, "{target:?}");
-        assert!(has("mapped colour of \"the ground\""), "{target:?}");
+        assert_eq!(has("the colour of \"the ground\" is the mean"), target == Target::Pbrt, "{target:?}");
+        assert!(!has("mapped colour of"), "{target:?}");
         let coat = has("the clear coat of \"left \\\"eye\\\"\"");
         assert_eq!(coat, matches!(target, Target::Mitsuba | Target::Pbrt), "{target:?}: {head:.4000}");
     }
@@ -192,4 +202,56 @@ fn deviations_of_objects_are_listed() {
     let written = export_objects(&folder, Target::Hair);
     let obj = written.last().unwrap();
     assert!(obj.holds.contains("left out are the objects \"the ground\""), "{}", obj.holds);
+}
+
+/// An image goes with its factor to a file beside the scene, with the uv that the target looks it
+/// up by.
+#[test]
+fn images_of_objects_are_kept() {
+    let sign = pelage_core::mesh::load(
+        &MeshSpec {
+            shape: Some(Shape::Plane),
+            scale: Some(0.1),
+            translate: [0.0, 3.0, 0.0],
+            ..MeshSpec::default()
+        },
+        &|_| unreachable!(),
+    )
+    .unwrap();
+    for (target, part) in [
+        (Target::Mitsuba, "<string name=\"filename\" value=\"sign.exr\"/>"),
+        (
+            Target::Pbrt,
+            "\"sign.dielectric\" \"string type\" \"coateddiffuse\" \"texture reflectance\" \"sign.color\"",
+        ),
+        (Target::Blender, "\"color\": \"sign.exr\""),
+        (Target::Usd, "asset inputs:file = @./sign.exr@"),
+    ] {
+        let folder = Folder::new();
+        export_objects(&folder, target);
+        assert!(text(&folder, target.head()).contains(part), "{target:?}");
+        let image = pelage_core::film::io::read(&folder.path().join("sign.exr")).unwrap();
+        assert_eq!([image.width, image.height], [2, 2]);
+        let planes = ["R", "G", "B"].map(|name| image.plane(name).unwrap());
+        assert_eq!(planes, [[1.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 1.0, 1.0]]);
+        if target == Target::Usd {
+            let usd = text(&folder, "scene.usda");
+            let mesh = between(&usd, "def Mesh \"sign\"", "\n    }");
+            let st = numbers(between(mesh, "primvars:st = [", "]"));
+            let wanted: Vec<f32> =
+                sign.corner_uv.iter().flatten().flatten().flat_map(|uv| uv.to_array()).collect();
+            assert_eq!(st, wanted);
+            continue;
+        }
+        let corner = |(v, uv): (u32, glam::Vec2)| {
+            let v_of = if target == Target::Mitsuba { 1.0 - uv.y } else { uv.y };
+            let [p, n] = [sign.positions[v as usize], sign.normals[v as usize]];
+            [p.x, p.y, p.z, n.x, n.y, n.z, uv.x, v_of].to_vec()
+        };
+        let corners = sign.triangles.iter().zip(sign.corner_uv.iter().flatten());
+        let corners: Vec<_> = corners.flat_map(|(t, uv)| [0, 1, 2].map(|k| corner((t[k], uv[k])))).collect();
+        let found = ply_vertices(&folder, "sign.ply", 8, sign.positions.len());
+        assert_eq!(found.len(), sign.positions.len(), "a plane has no seams");
+        assert!(found.iter().all(|vertex| corners.contains(vertex)), "{target:?}: {:?}", found[0]);
+    }
 }

@@ -386,9 +386,45 @@ fn objects_are_ordinary_meshes() {
     assert!(json["materials"][2].get("extensions").is_none());
     let notes = gltf::notes(&world).join("\n");
     assert!(notes.contains("left out of the glTF file") && notes.contains("\"caught\""), "{notes}");
-    assert!(notes.contains("at the vertices in the glTF file: \"bell\""), "{notes}");
+    assert!(!notes.contains("bell"), "vertex colours are exact: {notes}");
     // Without objects the document has none of it.
     let bare = Document::of(&gpu::world("[mesh]\nshape = 'plane'"));
     assert_eq!(bare.json["nodes"].as_array().unwrap().len(), 1);
     assert!(bare.json.get("extensionsUsed").is_none());
+}
+
+/// An image of an object is written with its factor, and its vertices have the uv of the mesh.
+#[test]
+fn images_of_objects_are_kept() {
+    let text = "[mesh]\nshape = 'plane'\n[[objects]]\nname = 'bell'\nmesh = { shape = 'sphere', scale = 0.1 }\n\
+                [[objects]]\nname = 'sign'\nmesh = { shape = 'plane', scale = 0.2 }\n\
+                material.color = { map = 'sign.png', value = [0.5, 1, 1] }";
+    let source = Folder::new();
+    let map = image::RgbImage::from_fn(2, 1, |x, _| image::Rgb([255, 255 * x as u8, 0]));
+    map.save(source.path().join("sign.png")).unwrap();
+    let path = source.write("scene.toml", text);
+    let (scene, assets) = pelage_core::Scene::load(std::path::Path::new(&path), &[]).unwrap();
+    let world = World::load(scene, &assets).unwrap();
+    let folder = Folder::new();
+    let written = gltf::write(&world, &lapped(&world), &textures(), folder.path()).unwrap();
+    assert_eq!(folder.names(), ["fur.bin", "fur.gltf", "object2.png"]);
+    assert_eq!(written[2], folder.path().join("object2.png"));
+    let json: Value = serde_json::from_slice(&std::fs::read(&written[0]).unwrap()).unwrap();
+    let document = Document { json, bin: std::fs::read(&written[1]).unwrap() };
+    let json = &document.json;
+    assert_eq!(json["materials"][2]["pbrMetallicRoughness"]["baseColorTexture"]["index"], 0);
+    assert!(json["materials"][1]["pbrMetallicRoughness"].get("baseColorTexture").is_none());
+    assert_eq!(json["textures"][0]["source"], 0);
+    assert_eq!(json["images"][0]["uri"], "object2.png");
+    // Half of the red is 188 in sRGB.
+    let image = image::open(&written[2]).unwrap().to_rgb8();
+    assert_eq!(image.as_raw(), &[188, 0, 0, 188, 255, 0]);
+    let attributes = &json["meshes"][2]["primitives"][0]["attributes"];
+    let uv = document.floats(&attributes["TEXCOORD_0"]);
+    let indices = document.integers(&json["meshes"][2]["primitives"][0]["indices"]).as_flattened();
+    let wanted = world.objects[1].surface.corner_uv.iter().flatten().flatten();
+    for (i, wanted) in indices.iter().zip(wanted) {
+        assert_eq!(uv[*i as usize], [wanted.x, 1.0 - wanted.y]);
+    }
+    assert!(attributes.get("COLOR_0").is_none());
 }

@@ -32,18 +32,20 @@ def read_hair(path):
 
 
 def read_ply(path):
-    """Positions, colours (or None) and triangles of the PLY file of the skin."""
+    """Positions, colours, uv (None where there are none) and triangles of a PLY file."""
     with open(path, "rb") as file:
-        columns, counts, line = 0, {}, b""
+        names, counts, line = [], {}, b""
         while line.strip() != b"end_header":
             line = file.readline()
             words = line.split()
             if words[:1] == [b"element"]:
                 counts[words[1]] = int(words[2])
-            columns += words[:2] == [b"property", b"float"]
-        vertices = np.fromfile(file, "<f4", columns * counts[b"vertex"]).reshape(-1, columns)
+            names += words[2:] if words[:2] == [b"property", b"float"] else []
+        vertices = np.fromfile(file, "<f4", len(names) * counts[b"vertex"]).reshape(-1, len(names))
         faces = np.fromfile(file, [("n", "u1"), ("v", "<i4", 3)], counts[b"face"])
-    return vertices[:, :3], vertices[:, 6:9] if columns > 6 else None, faces["v"]
+    colors = vertices[:, 6:9] if b"r" in names else None
+    uv = vertices[:, 6:8] if b"u" in names else None
+    return vertices[:, :3], colors, uv, faces["v"]
 
 
 def new_material(name):
@@ -69,13 +71,19 @@ def add_object(name, data, matrix):
 
 
 def add_surface(name, file, color, material, socket):
-    """Adds the surface of a PLY file; its colour, or that of its vertices, goes into a socket."""
+    """Adds the surface of a PLY file; its colour, image or colours of vertices go into a socket."""
     material, nodes, links = material
-    xyz, colors, triangles = read_ply(beside(file))
+    xyz, colors, uv, triangles = read_ply(beside(file))
     mesh = bpy.data.meshes.new(name)
     mesh.from_pydata(xyz.tolist(), [], triangles.tolist())
     mesh.polygons.foreach_set("use_smooth", np.ones(len(triangles), bool))
-    if color is not None:
+    if isinstance(color, str):
+        mesh.uv_layers.new(name="uv").data.foreach_set("uv", uv[triangles.ravel()].ravel())
+        image = nodes.new("ShaderNodeTexImage")
+        image.image = bpy.data.images.load(beside(color))
+        image.image.colorspace_settings.is_data = True
+        links.new(image.outputs["Color"], socket)
+    elif color is not None:
         socket.default_value = (*color, 1)
     else:
         rgba = np.ones((len(xyz), 4), np.float32)

@@ -2,7 +2,7 @@
 //! it.
 
 use super::sky::{self, Sky};
-use super::{Job, curves, hair, material, mean, ply, skin_colors};
+use super::{Job, curves, hair, material, mean, objects, ply, skin_colors};
 use glam::Vec3;
 use pelage_core::Result;
 use pelage_core::scene::{Background, Filter};
@@ -12,7 +12,8 @@ use std::io::{self, Write};
 const BUILDER: &str = include_str!("blender.py");
 
 pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
-    ply::write(job)?;
+    ply::write(job, ply::V::Up)?;
+    objects::write_images(job)?;
     hair::layers(job)?;
     if let Some(Sky::Map { panorama, .. }) = &job.sky {
         let path = job.folder.join("sky.exr");
@@ -85,7 +86,11 @@ fn script(job: &Job<'_>, notes: &[String], out: &mut dyn Write) -> io::Result<()
     writeln!(out, "# None: a colour a vertex.\nSKIN_COLOR = {color}\nOBJECTS = [")?;
     for of in &job.objects {
         let m = &of.object.material;
-        let color = if of.colors.len() > 1 { "None".into() } else { tuple(mean(&of.colors)) };
+        let color = match (of.image(), of.colors()) {
+            (Some(file), _) => string(&file),
+            (None, [c]) => tuple(*c),
+            (None, _) => "None".into(),
+        };
         writeln!(
             out,
             "    {{\n        \"name\": {},\n        \"file\": \"{}\",",

@@ -110,11 +110,13 @@ fn objects(job: &Job<'_>, target: Target, notes: &mut Vec<String>) {
         }
         Target::Blender | Target::Hair => None,
     });
-    if let Some(names) = named(&|of| of.colors.len() > 1) {
-        notes.push(match target {
-            Target::Pbrt => format!("the mapped colour of {names} is its mean"),
-            _ => format!("the mapped colour of {names} is taken at the vertices and interpolated"),
-        });
+    if target == Target::Pbrt {
+        let varied = named(&|of| of.colors().len() > 1);
+        notes.extend(varied.map(|names| format!("the colour of {names} is the mean of its vertices")));
+    } else {
+        let sampled = named(&|of| of.without_uv());
+        let how = "is taken at the vertices and interpolated, as the mesh has no uv";
+        notes.extend(sampled.map(|names| format!("the mapped colour of {names} {how}")));
     }
     let coated = |of: &Exported<'_>| of.object.material.clearcoat > 0.0;
     match target {

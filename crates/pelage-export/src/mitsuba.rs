@@ -4,7 +4,7 @@
 //! every segment its own absorption.
 
 use super::curves::{self, Segment};
-use super::objects::Exported;
+use super::objects::{self, Exported};
 use super::sky::{self, Sky};
 use super::{Job, material, mean, ply, skin_colors};
 use glam::Vec3;
@@ -25,7 +25,8 @@ struct Part {
 
 pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     let mut notes = notes;
-    ply::write(job)?;
+    ply::write(job, ply::V::Down)?;
+    objects::write_images(job)?;
     if let Some(Sky::Map { panorama, .. }) = &job.sky {
         let path = job.folder.join("sky.exr");
         sky::write_exr(&path, panorama.width, panorama.height, |x, y| {
@@ -191,7 +192,13 @@ fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "  <shape type=\"ply\" id=\"{}\">", of.stem)?;
     writeln!(out, "    <string name=\"filename\" value=\"{}\"/>", of.file())?;
     writeln!(out, "    <bsdf type=\"twosided\"><bsdf type=\"principled\">")?;
-    color("base_color", &of.colors, out)?;
+    match of.image() {
+        Some(file) => {
+            writeln!(out, "      <texture name=\"base_color\" type=\"bitmap\">")?;
+            writeln!(out, "        <string name=\"filename\" value=\"{file}\"/>\n      </texture>")?;
+        }
+        None => color("base_color", of.colors(), out)?,
+    }
     let mut float =
         |name: &str, value: f32| writeln!(out, "      <float name=\"{name}\" value=\"{value}\"/>");
     float("roughness", m.roughness)?;

@@ -1,9 +1,13 @@
 //! Objects as other renderers take them.
 
-use super::colors_on;
-use glam::Vec3;
-use pelage_core::World;
+use super::{Job, colors_on, sky};
+use glam::{Vec2, Vec3};
+use pelage_core::maps::{MapImage, VERTEX_COLOR};
 use pelage_core::objects::Object;
+use pelage_core::scene::Color;
+use pelage_core::{Result, Skin, World};
+use pelage_fur::surface::split_at_seams;
+use std::borrow::Cow;
 use std::collections::HashSet;
 
 /// An object that is exported.
@@ -12,8 +16,18 @@ pub(crate) struct Exported<'a> {
     pub object: &'a Object,
     /// Its name in letters, digits and underscores, different from all others.
     pub stem: String,
-    /// Base colour, linear RGB: one value, or one per vertex.
-    pub colors: Vec<Vec3>,
+    /// Its surface; where it has an image, with one uv per vertex.
+    pub surface: Cow<'a, Skin>,
+    /// Base colour.
+    pub base: Base<'a>,
+}
+
+/// Base colour of an object, linear RGB.
+pub(crate) enum Base<'a> {
+    /// One value, or one per vertex.
+    Colors(Vec<Vec3>),
+    /// An image, the factor on it, and the uv of each vertex.
+    Image(&'a MapImage, Vec3, Vec<Vec2>),
 }
 
 /// Words that name other things in the files.
@@ -22,12 +36,41 @@ const TAKEN: [&str; 9] = ["skin", "guard", "undercoat", "sky", "scene", "world",
 /// The objects of a world, in the order of the scene.
 pub(crate) fn of(world: &World) -> Vec<Exported<'_>> {
     let mut taken: HashSet<String> = TAKEN.iter().map(|s| (*s).to_owned()).collect();
-    let exported = |object| Exported {
-        object,
-        stem: stem(&object.name, &mut taken),
-        colors: colors_on(world, &object.material.color, &object.surface, object.origin),
-    };
-    world.objects.iter().map(exported).collect()
+    let mut all = Vec::with_capacity(world.objects.len());
+    for object in &world.objects {
+        let (surface, base) = based(world, object);
+        all.push(Exported { object, stem: stem(&object.name, &mut taken), surface, base });
+    }
+    all
+}
+
+fn based<'a>(world: &'a World, object: &'a Object) -> (Cow<'a, Skin>, Base<'a>) {
+    if let Color::Mapped(map) = &object.material.color
+        && let Some(index) = world.maps.index_of(&map.map, &map.layer, true)
+        && let Some((surface, uv)) = split_at_seams(&object.surface)
+    {
+        let base = Base::Image(&world.maps.images[index], map.value.into(), uv);
+        return (Cow::Owned(surface), base);
+    }
+    let colors = colors_on(world, &object.material.color, &object.surface, object.origin);
+    (Cow::Borrowed(&object.surface), Base::Colors(colors))
+}
+
+/// Writes the images of the objects' base colours, with their factors, clamped to 0..1.
+pub(crate) fn write_images(job: &mut Job<'_>) -> Result<()> {
+    for i in 0..job.objects.len() {
+        let of = &job.objects[i];
+        let (Base::Image(image, value, _), Some(name)) = (&of.base, of.image()) else { continue };
+        let (width, height) = (image.width as usize, image.height as usize);
+        let holds = format!("{width} x {height} texels, the colour of the object {:?}", of.object.name);
+        let path = job.folder.join(name);
+        sky::write_exr(&path, width, height, |x, y| {
+            let [r, g, b, _] = image.texels[y * width + x];
+            (*value * Vec3::new(r, g, b)).clamp(Vec3::ZERO, Vec3::ONE)
+        })?;
+        job.wrote(path, holds)?;
+    }
+    Ok(())
 }
 
 /// A name for identifiers and files; `taken` are those in use, in lower case.
@@ -46,6 +89,33 @@ impl Exported<'_> {
     /// The file of its surface.
     pub fn file(&self) -> String {
         format!("{}.ply", self.stem)
+    }
+
+    /// The file of its base colour, if that is an image.
+    pub fn image(&self) -> Option<String> {
+        matches!(self.base, Base::Image(..)).then(|| format!("{}.exr", self.stem))
+    }
+
+    /// Its base colour without an image: one value, or one per vertex; empty with an image.
+    pub fn colors(&self) -> &[Vec3] {
+        match &self.base {
+            Base::Colors(colors) => colors,
+            Base::Image(..) => &[],
+        }
+    }
+
+    /// The uv of each vertex where it has an image, else empty.
+    pub fn uv(&self) -> &[Vec2] {
+        match &self.base {
+            Base::Colors(_) => &[],
+            Base::Image(.., uv) => uv,
+        }
+    }
+
+    /// Whether its colour varies over the vertices because its mesh has no uv for its image.
+    pub fn without_uv(&self) -> bool {
+        let image = matches!(&self.object.material.color, Color::Mapped(m) if m.map != VERTEX_COLOR);
+        image && self.colors().len() > 1
     }
 
     /// Description of it.

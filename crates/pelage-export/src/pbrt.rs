@@ -1,7 +1,7 @@
 //! pbrt-v4: a scene file, one file of curves per layer, the skin as PLY, the sky as a square map.
 
 use super::curves;
-use super::objects::Exported;
+use super::objects::{self, Exported};
 use super::sky::{self, Sky};
 use super::{Job, material, mean, ply, skin_colors};
 use glam::Vec3;
@@ -69,7 +69,8 @@ fn cell(color: Vec3, levels: f32) -> [u8; 3] {
 
 pub(super) fn write(job: &mut Job<'_>, notes: Vec<String>) -> Result<()> {
     let mut notes = notes;
-    ply::write(job)?;
+    ply::write(job, ply::V::Up)?;
+    objects::write_images(job)?;
     if let Some(Sky::Map { panorama, rotate }) = &job.sky {
         let path = job.folder.join("sky.exr");
         let side = sky::side(panorama);
@@ -189,8 +190,13 @@ fn scene(job: &Job<'_>, notes: &[String], layers: &[String], out: &mut dyn Write
 /// An object and its materials. A metal is a conductor, under an interface where it is coated; a
 /// dielectric has one interface over a diffuse base; others are mixed of these.
 fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
-    let (m, c) = (&of.object.material, mean(&of.colors));
-    let color = format!("\"rgb reflectance\" [ {} {} {} ]", c.x, c.y, c.z);
+    let (m, c) = (&of.object.material, mean(of.colors()));
+    let mut color = format!("\"rgb reflectance\" [ {} {} {} ]", c.x, c.y, c.z);
+    if let Some(file) = of.image() {
+        let image = format!("{}.color", of.stem);
+        writeln!(out, "Texture \"{image}\" \"spectrum\" \"imagemap\" \"string filename\" \"{file}\"")?;
+        color = format!("\"texture reflectance\" \"{image}\"");
+    }
     let exact = "\"bool remaproughness\" false";
     let [width, coat_width] = [m.roughness, m.clearcoat_roughness].map(|r| r * r);
     let mut named = |kind: &str, what: String| {

@@ -1,6 +1,6 @@
 //! OpenUSD in text form: everything but the sky's map in one file, scene.usda.
 
-use super::objects::Exported;
+use super::objects::{self, Exported};
 use super::sky::{self, Sky};
 use super::{Job, curves, skin_colors};
 use glam::Vec3;
@@ -11,6 +11,7 @@ use pelage_pathtrace::strands::Strands;
 use std::io::{self, Write};
 
 pub(super) fn write(job: &mut Job<'_>, notes: &[String]) -> Result<()> {
+    objects::write_images(job)?;
     if let Some(Sky::Map { panorama, .. }) = &job.sky {
         let path = job.folder.join("sky.exr");
         sky::write_exr(&path, panorama.width, panorama.height, |x, y| {
@@ -160,6 +161,9 @@ fn surface(skin: &Skin, colors: &[Vec3], out: &mut dyn Write) -> io::Result<()> 
         })?;
         interpolation(out, "faceVarying")?;
     }
+    if colors.is_empty() {
+        return Ok(());
+    }
     let kind = if colors.len() > 1 { "vertex" } else { "constant" };
     array(out, "color3f[] primvars:displayColor", colors.iter(), |out, c| vector(out, *c))?;
     interpolation(out, kind)
@@ -171,7 +175,7 @@ fn object(of: &Exported<'_>, out: &mut dyn Write) -> io::Result<()> {
     writeln!(out, "    def Mesh \"{}\" (\n        displayName = \"{shown}\"", of.stem)?;
     writeln!(out, "        prepend apiSchemas = [\"MaterialBindingAPI\"]\n    )\n    {{")?;
     writeln!(out, "        uniform bool doubleSided = 1")?;
-    surface(&of.object.surface, &of.colors, out)?;
+    surface(&of.surface, of.colors(), out)?;
     writeln!(out, "        rel material:binding = </World/Looks/{}>\n    }}\n", of.stem)
 }
 
@@ -187,14 +191,11 @@ fn looks(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
         writeln!(out, "            token outputs:surface.connect = <{place}/Surface.outputs:surface>\n")?;
         writeln!(out, "            def Shader \"Surface\"\n            {{")?;
         writeln!(out, "                uniform token info:id = \"UsdPreviewSurface\"")?;
-        match of.colors.as_slice() {
-            [c] => {
-                writeln!(out, "                color3f inputs:diffuseColor = ({}, {}, {})", c.x, c.y, c.z)?
-            }
-            _ => writeln!(
-                out,
-                "                color3f inputs:diffuseColor.connect = <{place}/Color.outputs:result>"
-            )?,
+        let color = "color3f inputs:diffuseColor";
+        match (of.colors(), of.image()) {
+            (_, Some(_)) => writeln!(out, "                {color}.connect = <{place}/Image.outputs:rgb>")?,
+            ([c], _) => writeln!(out, "                {color} = ({}, {}, {})", c.x, c.y, c.z)?,
+            _ => writeln!(out, "                {color}.connect = <{place}/Color.outputs:result>")?,
         }
         for (name, value) in [
             ("roughness", m.roughness),
@@ -206,15 +207,31 @@ fn looks(job: &Job<'_>, out: &mut dyn Write) -> io::Result<()> {
             writeln!(out, "                float inputs:{name} = {value}")?;
         }
         writeln!(out, "                token outputs:surface\n            }}")?;
-        if of.colors.len() > 1 {
-            writeln!(out, "\n            def Shader \"Color\"\n            {{")?;
-            writeln!(out, "                uniform token info:id = \"UsdPrimvarReader_float3\"")?;
-            writeln!(out, "                string inputs:varname = \"displayColor\"")?;
-            writeln!(out, "                float3 outputs:result\n            }}")?;
+        if of.colors().len() > 1 {
+            reader(out, ["Color", "float3", "displayColor"])?;
+        }
+        if let Some(file) = of.image() {
+            reader(out, ["Place", "float2", "st"])?;
+            writeln!(out, "\n            def Shader \"Image\"\n            {{")?;
+            writeln!(out, "                uniform token info:id = \"UsdUVTexture\"")?;
+            writeln!(out, "                asset inputs:file = @./{file}@")?;
+            writeln!(out, "                token inputs:sourceColorSpace = \"raw\"")?;
+            writeln!(out, "                token inputs:wrapS = \"repeat\"")?;
+            writeln!(out, "                token inputs:wrapT = \"repeat\"")?;
+            writeln!(out, "                float2 inputs:st.connect = <{place}/Place.outputs:result>")?;
+            writeln!(out, "                float3 outputs:rgb\n            }}")?;
         }
         writeln!(out, "        }}\n")?;
     }
     writeln!(out, "    }}\n")
+}
+
+/// A shader that reads a primvar.
+fn reader(out: &mut dyn Write, [name, kind, primvar]: [&str; 3]) -> io::Result<()> {
+    writeln!(out, "\n            def Shader \"{name}\"\n            {{")?;
+    writeln!(out, "                uniform token info:id = \"UsdPrimvarReader_{kind}\"")?;
+    writeln!(out, "                string inputs:varname = \"{primvar}\"")?;
+    writeln!(out, "                {kind} outputs:result\n            }}")
 }
 
 fn layer(strands: &Strands, out: &mut dyn Write) -> io::Result<()> {

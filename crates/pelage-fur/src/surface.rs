@@ -2,7 +2,7 @@
 
 use crate::layout::ShellVertex;
 use crate::parameters::pack_color;
-use glam::Vec3;
+use glam::{Vec2, Vec3};
 use pelage_core::{Skin, World};
 
 /// uv of the corners of all triangles, `[3 · triangle + corner]`; zero if the skin has no uv.
@@ -24,6 +24,30 @@ pub fn vertex_uv(skin: &Skin) -> Vec<[f32; 2]> {
         }
     }
     of_vertex
+}
+
+/// The same surface with its vertices split where the uv of their corners differ, and the uv of
+/// each vertex; `None` without uv.
+pub fn split_at_seams(skin: &Skin) -> Option<(Skin, Vec<Vec2>)> {
+    let corner_uv = skin.corner_uv.as_ref()?;
+    let mut split = Skin { colored: skin.colored, ..Skin::default() };
+    let mut uvs = Vec::new();
+    let mut known = std::collections::HashMap::new();
+    for (triangle, uv) in skin.triangles.iter().zip(corner_uv) {
+        let corners = [0, 1, 2].map(|k| {
+            let v = triangle[k] as usize;
+            *known.entry((v, uv[k].to_array().map(f32::to_bits))).or_insert_with(|| {
+                split.positions.push(skin.positions[v]);
+                split.normals.push(skin.normals[v]);
+                split.colors.push(skin.vertex_color(v).truncate());
+                uvs.push(uv[k]);
+                uvs.len() as u32 - 1
+            })
+        });
+        split.triangles.push(corners);
+    }
+    split.corner_uv = skin.corner_uv.clone();
+    Some((split, uvs))
 }
 
 /// The skin's vertices, with directions of extrusion for a shell `height` cm high; the heights are

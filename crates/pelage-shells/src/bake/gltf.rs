@@ -152,8 +152,9 @@ pub struct ViewLight {
     pub irradiance: [f32; 3],
 }
 
-/// Writes [`GLTF_FILE`] and [`BIN_FILE`] into the folder `dir` and returns their paths. The
-/// textures to which the document refers ([`LAYERS_FILE`], [`FIN_FILE`]) are not written here.
+/// Writes [`GLTF_FILE`], [`BIN_FILE`] and the images of objects into the folder `dir` and returns
+/// their paths. The textures to which the document refers ([`LAYERS_FILE`], [`FIN_FILE`]) are not
+/// written here.
 ///
 /// # Errors
 /// [`Error::Unsupported`] if `lapped` belongs to another skin, if sizes of the textures are not
@@ -169,10 +170,11 @@ pub fn write(
     let edges = fin_edges(world, &clothed, textures.manifest.fin_length);
     let (document, bin) = document(world, &clothed, &edges, textures)?;
     let (gltf, buffer) = (dir.join(GLTF_FILE), dir.join(BIN_FILE));
-    // The document is written last: when it exists, so does its buffer.
+    // The document is written last: when it exists, so do its buffer and its images.
+    let images = objects::write_images(world, dir)?;
     files::write_buffered(&buffer, |out| Ok(out.write_all(&bin)?))?;
     files::write_buffered(&gltf, |out| Ok(writeln!(out, "{document:#}")?))?;
-    Ok(vec![gltf, buffer])
+    Ok([gltf, buffer].into_iter().chain(images).collect())
 }
 
 /// The settings and the view of a world.
@@ -309,10 +311,7 @@ fn document(
         "accessors": bin.accessors,
         "extras": { "pelage": extras },
     });
-    let extensions = objects::extensions(&objects);
-    if !extensions.is_empty() {
-        document["extensionsUsed"] = json!(extensions);
-    }
+    objects::extend(&mut document, &objects);
     Ok((document, bin.bytes))
 }
 
