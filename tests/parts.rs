@@ -88,11 +88,11 @@ fn coats_go_over_into_each_other_beside_the_part() {
         gpu::close(widest * 1e4, 20.0, 1e-6, "widest");
         [maps.part_share(1, &at), maps.scalar(Parameter::GuardLength, &at), root * 1e4]
     };
-    for (edge, cm) in [("", 1.0), ("edge = 2", 2.0), ("edge = 0.25", 0.25)] {
+    for (edge, cm) in [("", 1.0_f32), ("edge = 2", 2.0), ("edge = 0.25", 0.25)] {
         let world = world(edge);
         for k in 0..78 {
             let x = 0.1 * k as f32 + 0.05;
-            let wanted = ((1.0 - (4.0 - x).max(0.0) / cm) as f32).clamp(0.0, 1.0);
+            let wanted = (1.0 - (4.0 - x).max(0.0) / cm).clamp(0.0, 1.0);
             let [share, length, root] = at(&world, x);
             gpu::close(share, wanted, 2e-3, format!("share at {x}, edge {cm}"));
             gpu::close(length, 1.0 + 2.0 * wanted, 2e-3, format!("length at {x}, edge {cm}"));
