@@ -88,6 +88,7 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         sections: mesh.sections,
         section_of: mesh.section_of,
         notes,
+        world_from_file: glam::DAffine3::IDENTITY,
     };
     (skin, repairs)
 }
