@@ -230,7 +230,7 @@ fn images_of_objects_are_kept() {
         let folder = Folder::new();
         export_objects(&folder, target);
         assert!(text(&folder, target.head()).contains(part), "{target:?}");
-        let image = pelage_core::film::io::read(&folder.path().join("sign.exr")).unwrap();
+        let image = pelage_core::film::io::read(folder.path().join("sign.exr")).unwrap();
         assert_eq!([image.width, image.height], [2, 2]);
         let planes = ["R", "G", "B"].map(|name| image.plane(name).unwrap());
         assert_eq!(planes, [[1.0, 0.0, 0.0, 1.0], [0.0, 0.5, 0.0, 0.5], [0.0, 0.0, 1.0, 1.0]]);
