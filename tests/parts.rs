@@ -92,7 +92,7 @@ fn coats_go_over_into_each_other_beside_the_part() {
         let world = world(edge);
         for k in 0..78 {
             let x = 0.1 * k as f32 + 0.05;
-            let wanted = ((1.0 - (4.0 - x).max(0.0) / cm) as f32).clamp(0.0, 1.0);
+            let wanted = (1.0 - (4.0 - x).max(0.0) / cm).clamp(0.0, 1.0);
             let [share, length, root] = at(&world, x);
             gpu::close(share, wanted, 2e-3, format!("share at {x}, edge {cm}"));
             gpu::close(length, 1.0 + 2.0 * wanted, 2e-3, format!("length at {x}, edge {cm}"));

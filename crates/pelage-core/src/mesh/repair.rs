@@ -88,7 +88,6 @@ pub(super) fn repair(mut mesh: Mesh) -> (Skin, Vec<String>) {
         sections: mesh.sections,
         section_of: mesh.section_of,
         notes,
-        ..Skin::default()
     };
     (skin, repairs)
 }
