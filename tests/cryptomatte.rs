@@ -115,15 +115,16 @@ fn a_pixel_with_many_mattes_keeps_all_of_them() {
         names.iter().enumerate().map(|(i, n)| (n.as_str(), vec![0.01 * (i + 1) as f32, 0.0])).collect();
     let mut film = film(&planes);
     let mattes: Vec<Matte> = names.iter().map(|n| Matte::new(n, &[n])).collect();
+    let before = film.planes.len();
     add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
     let found = pairs(&film, "CryptoObject", 0);
-    assert_eq!((found.len(), film.planes.len() - 9), (9, 2 * 10));
+    assert_eq!((found.len(), film.planes.len() - before), (9, 2 * 10));
     assert!((found[0].1 - 0.09).abs() < 1e-6 && (found[8].1 - 0.01).abs() < 1e-6, "{found:?}");
     // Where no pixel has many, a file has the usual ranks.
-    film.planes.truncate(9);
-    film.planes[6..].iter_mut().for_each(|plane| plane.data.fill(0.0));
+    film.planes.truncate(before);
+    film.planes[before - 3..].iter_mut().for_each(|plane| plane.data.fill(0.0));
     add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
-    assert_eq!(film.planes.len() - 9, 2 * USUAL_RANKS);
+    assert_eq!(film.planes.len() - before, 2 * USUAL_RANKS);
 }
 
 #[test]
