@@ -113,8 +113,8 @@ fn a_scene_without_its_mesh_is_skipped() {
     assert_eq!(report["skipped"][0]["scene"], "absent");
     assert_eq!(report["table"].as_array().map(Vec::len), Some(0));
     // A broken scene is not skipped.
-    let scene = folder.write("broken.toml", "[mesh]\nshape = \"cube\"\n");
-    pelage(&["bench", &scene, "--size", "8x8"]).expect(3, &["cube"]);
+    let scene = folder.write("broken.toml", "[mesh]\nshape = \"bread\"\n");
+    pelage(&["bench", &scene, "--size", "8x8"]).expect(3, &["bread"]);
     pelage(&["bench", &folder.at("none.toml")]).expect(2, &["no such scene"]);
 }
 

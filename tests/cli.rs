@@ -48,14 +48,18 @@ fn the_schema_is_json() {
 fn check_says_what_to_expect() {
     let text = pelage(&["check", "scenes/default.toml"]).expect(0, &[]).out;
     let lines: Vec<_> = text.lines().map(|line| line.split_whitespace().next().unwrap_or_default()).collect();
-    assert_eq!(lines, ["body", "guard", "undercoat", "mesh", "picture", "memory", "time"], "{text}");
-    // The body is 20 cm long, its guard hairs 2.1 cm.
+    assert_eq!(
+        lines,
+        ["body", "guard", "undercoat", "mesh", "objects", "picture", "memory", "time"],
+        "{text}"
+    );
+    // The body is 20 cm long, its guard hairs 0.55 times 2.1 cm.
     for part in
-        ["body         20.00 x", "2.1 cm, 10.5 % of the body's largest side", " of 1.0 GiB on the GPU"]
+        ["body         20.00 x", "up to 1.155 cm, 5.8 % of the body's largest side", " of 1.0 GiB on the GPU"]
     {
         assert!(text.contains(part), "no {part} in {text}");
     }
-    let small = ["check", "scenes/default.toml", "-D", "mesh.size=0.5"];
+    let small = ["check", "scenes/hat.toml", "-D", "mesh.size=0.5"];
     pelage(&small).expect(0, &["longest hair has 2.1 cm, more than a quarter", "groom.scale", "mesh.size"]);
     let text = pelage(&["check", "scenes/default.toml", "--fur", "base"]).expect(0, &[]).out;
     assert!(!text.contains("guard hairs") && !text.contains("undercoat"), "{text}");
@@ -135,7 +139,7 @@ fn flags_set_the_scene() {
 fn a_mesh_on_the_command_line_is_relative_to_the_working_folder() {
     let folder = Folder::new();
     folder.write("tri.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
-    let scene = root().join("scenes/default.toml");
+    let scene = root().join("scenes/hat.toml");
     let mut check = command();
     check.current_dir(folder.path()).arg("check").arg(scene).args(["-D", "mesh.path=tri.obj", "--json"]);
     let value = json(&run(&mut check).expect(0, &[]).out);

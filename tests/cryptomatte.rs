@@ -2,7 +2,7 @@
 
 use crate::common::{Folder, pelage};
 use pelage_core::Error;
-use pelage_core::film::cryptomatte::{MOST_RANKS, Matte, add, hash, id};
+use pelage_core::film::cryptomatte::{Matte, USUAL_RANKS, add, hash, id};
 use pelage_core::film::{Film, Metadata, io};
 use pelage_core::scene::FilmSpec;
 use std::collections::BTreeMap;
@@ -87,10 +87,8 @@ fn mattes_come_back_from_a_file() {
     ]);
     let mattes =
         [Matte::new("ä \"b\"", &["a.A"]), Matte::new("both", &["b.A"]), Matte::new("third", &["c.A"])];
-    let (meta, over) = add(&mut film, Metadata::of_program(), "CryptoObject", &mattes).unwrap();
-    assert_eq!(over, 0);
-    let (meta, _) =
-        add(&mut film, meta, "CryptoMaterial", &[Matte::new("all", &["a.A", "b.A", "c.A"])]).unwrap();
+    let meta = add(&mut film, Metadata::of_program(), "CryptoObject", &mattes).unwrap();
+    let meta = add(&mut film, meta, "CryptoMaterial", &[Matte::new("all", &["a.A", "b.A", "c.A"])]).unwrap();
     let path = folder.path().join("a.exr");
     io::write(&film, &path, &meta, &FilmSpec::default()).unwrap();
     let (film, meta) = (io::read(&path).unwrap(), io::read_metadata(&path).unwrap());
@@ -111,17 +109,22 @@ fn mattes_come_back_from_a_file() {
 }
 
 #[test]
-fn too_many_mattes_in_a_pixel_are_counted() {
+fn a_pixel_with_many_mattes_keeps_all_of_them() {
     let names: Vec<String> = (0..9).map(|i| format!("m{i}.A")).collect();
     let planes: Vec<(&str, Vec<f32>)> =
         names.iter().enumerate().map(|(i, n)| (n.as_str(), vec![0.01 * (i + 1) as f32, 0.0])).collect();
     let mut film = film(&planes);
     let mattes: Vec<Matte> = names.iter().map(|n| Matte::new(n, &[n])).collect();
-    let (_, over) = add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
-    assert_eq!(over, 1);
+    let before = film.planes.len();
+    add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
     let found = pairs(&film, "CryptoObject", 0);
-    assert_eq!(found.len(), MOST_RANKS);
-    assert!((found[0].1 - 0.09).abs() < 1e-6 && (found[5].1 - 0.04).abs() < 1e-6, "{found:?}");
+    assert_eq!((found.len(), film.planes.len() - before), (9, 2 * 10));
+    assert!((found[0].1 - 0.09).abs() < 1e-6 && (found[8].1 - 0.01).abs() < 1e-6, "{found:?}");
+    // Where no pixel has many, a file has the usual ranks.
+    film.planes.truncate(before);
+    film.planes[before - 3..].iter_mut().for_each(|plane| plane.data.fill(0.0));
+    add(&mut film, Metadata::default(), "CryptoObject", &mattes).unwrap();
+    assert_eq!(film.planes.len() - before, 2 * USUAL_RANKS);
 }
 
 #[test]

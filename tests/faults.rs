@@ -103,7 +103,7 @@ mod scene {
     fn a_patch_smaller_than_a_hair_is_refused() {
         let folder = Folder::new();
         let out = folder.at("out");
-        pelage(&["bake", "scenes/default.toml", "-o", &out, "--patch", "1e-6"])
+        pelage(&["bake", "scenes/hat.toml", "-o", &out, "--patch", "1e-6"])
             .expect(3, &["bake.patch: found 1e-6 cm", "expected at most 4000", "cm or more"]);
     }
 

@@ -67,9 +67,6 @@ pub(super) fn run(args: &BakeArgs, global: &Global) -> Result<()> {
     }
     shells::check_folder(&args.outdir)?;
     let mut world = World::load(scene, &assets)?;
-    if !world.objects.is_empty() {
-        world.notes.push("objects have no hair: they are not in what is baked".into());
-    }
     output::admit(&mut world, false, global.quiet)?;
     output::print_notes(&notes_of_objects(&world, args.gltf), global.quiet);
     let textures = shells::bake(&world)?;

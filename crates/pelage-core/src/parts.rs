@@ -90,8 +90,9 @@ fn touches(skin: &Skin, part: &Part) -> bool {
 
 /// The box around the skin.
 fn bounds(skin: &Skin) -> Option<[Vec3; 2]> {
-    let low = skin.positions.iter().copied().reduce(Vec3::min)?;
-    Some([low, skin.positions.iter().copied().reduce(Vec3::max)?])
+    let (low, high) = skin.bounds();
+    // Without negative zeros.
+    (!skin.positions.is_empty()).then_some([low + Vec3::ZERO, high + Vec3::ZERO])
 }
 
 fn fault(place: &Place, message: String, help: String) -> SceneFault {

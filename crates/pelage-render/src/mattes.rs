@@ -1,10 +1,10 @@
 //! The mattes of a rendering: which planes of its film cover which named thing.
 
 use crate::planes;
+use pelage_core::Result;
 use pelage_core::film::cryptomatte::{self, Matte};
 use pelage_core::film::{Film, Metadata};
 use pelage_core::scene::{FurLayers, Scene};
-use pelage_core::{Error, Result};
 
 /// The sets of mattes of a scene's film, by name: `CryptoObject` (the body under the name of its
 /// mesh, and each object) and, except for shells and fins,
@@ -32,16 +32,7 @@ pub fn sets(scene: &Scene) -> Vec<(&'static str, Vec<Matte>)> {
 /// Returns the metadata with their description.
 ///
 /// # Errors
-/// As [`cryptomatte::add`]; [`Error::Unsupported`] if a pixel has more mattes than a file keeps.
+/// As [`cryptomatte::add`].
 pub fn add(film: &mut Film, meta: Metadata, scene: &Scene) -> Result<Metadata> {
-    sets(scene).into_iter().try_fold(meta, |meta, (set, mattes)| {
-        let (meta, over) = cryptomatte::add(film, meta, set, &mattes)?;
-        if over > 0 {
-            let most = cryptomatte::MOST_RANKS;
-            return Err(Error::Unsupported(format!(
-                "found {over} pixels with more than {most} mattes of {set}, expected no more: join some"
-            )));
-        }
-        Ok(meta)
-    })
+    sets(scene).into_iter().try_fold(meta, |meta, (set, mattes)| cryptomatte::add(film, meta, set, &mattes))
 }

@@ -11,9 +11,9 @@ use crate::{Error, Result};
 use rayon::prelude::*;
 use std::io::Cursor;
 
-/// Pairs per pixel that a file keeps at most, as compositors usually expect; smaller ones are left
-/// out.
-pub const MOST_RANKS: usize = 6;
+/// Pairs per pixel that a file has if there are as many mattes, as compositors usually expect; more
+/// only where a pixel needs them.
+pub const USUAL_RANKS: usize = 6;
 
 /// A named thing and the planes whose sum is its coverage, premultiplied (0..1).
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,13 +47,12 @@ pub fn id(name: &str) -> f32 {
 
 /// Adds the set called `set` to a film and its description to `meta`. Every pixel's coverages add
 /// up to the sum of the mattes' planes; with negative lobes of the reconstruction filter, negative
-/// coverages become 0 and the others are scaled. Returns the metadata and the number of pixels in
-/// which more than [`MOST_RANKS`] mattes lie, and the smallest are left out.
+/// coverages become 0 and the others are scaled. Returns the metadata.
 ///
 /// # Errors
 /// [`Error::Unsupported`] for a plane that the film lacks, for names that occur twice or share an
 /// id, and for a set that the film already has.
-pub fn add(film: &mut Film, meta: Metadata, set: &str, mattes: &[Matte]) -> Result<(Metadata, usize)> {
+pub fn add(film: &mut Film, meta: Metadata, set: &str, mattes: &[Matte]) -> Result<Metadata> {
     film.validate()?;
     let ids: Vec<f32> = mattes.iter().map(|m| id(&m.name)).collect();
     for (i, matte) in mattes.iter().enumerate() {
@@ -76,7 +75,6 @@ pub fn add(film: &mut Film, meta: Metadata, set: &str, mattes: &[Matte]) -> Resu
         matte.planes.iter().map(found).collect()
     };
     let coverages: Vec<Vec<&[f32]>> = mattes.iter().map(planes).collect::<Result<_>>()?;
-    let ranks = mattes.len().clamp(1, MOST_RANKS).div_ceil(2) * 2;
     let of_pixel = |i: usize| {
         let sum = |of: &Vec<&[f32]>| of.iter().map(|plane| plane[i]).sum::<f32>();
         let raw: Vec<f32> = coverages.iter().map(sum).collect();
@@ -85,20 +83,21 @@ pub fn add(film: &mut Film, meta: Metadata, set: &str, mattes: &[Matte]) -> Resu
         let mut pairs: Vec<(f32, f32)> =
             ids.iter().zip(&raw).filter(|(_, c)| **c > 0.0).map(|(id, c)| (*id, c * scale)).collect();
         pairs.sort_by(|a, b| b.1.total_cmp(&a.1)); // stable: the order of the table decides
-        let over = pairs.len() > ranks;
-        pairs.resize(ranks, (0.0, 0.0));
-        (pairs, over)
+        pairs
     };
-    let pixels: Vec<_> = (0..film.pixels()).into_par_iter().map(of_pixel).collect();
+    let mut pixels: Vec<_> = (0..film.pixels()).into_par_iter().map(of_pixel).collect();
+    let needed = pixels.iter().map(Vec::len).max().unwrap_or(0);
+    let ranks = mattes.len().clamp(1, USUAL_RANKS).max(needed).div_ceil(2) * 2;
+    pixels.iter_mut().for_each(|pairs| pairs.resize(ranks, (0.0, 0.0)));
     for rank in 0..ranks {
         let [id, coverage] = if rank % 2 == 0 { ["r", "g"] } else { ["b", "a"] };
         let layer = rank / 2;
-        film.push(format!("{set}{layer:02}.{id}"), true, pixels.iter().map(|(p, _)| p[rank].0).collect());
-        let coverages = pixels.iter().map(|(p, _)| p[rank].1).collect();
+        film.push(format!("{set}{layer:02}.{id}"), true, pixels.iter().map(|p| p[rank].0).collect());
+        let coverages = pixels.iter().map(|p| p[rank].1).collect();
         film.push(format!("{set}{layer:02}.{coverage}"), true, coverages);
     }
     film.validate()?;
-    Ok((describe(meta, set, mattes), pixels.iter().filter(|(_, over)| *over).count()))
+    Ok(describe(meta, set, mattes))
 }
 
 /// The attributes of a set.

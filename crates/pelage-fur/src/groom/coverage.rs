@@ -58,9 +58,9 @@ impl Coverage {
     }
 }
 
-/// Coverage by triangle corner and by vertex: 1 on the chosen triangles and on the sphere of a ball;
-/// outside of them it falls by 1 per `edge` cm, below 0 too, and in a ball it rises, so that it can
-/// be interpolated before it is cut.
+/// Coverage by triangle corner and by vertex: 1 on the chosen triangles and on the sphere of a
+/// ball; outside of them it falls by 1 per `edge` cm, below 0 too, and in a ball it rises, so that
+/// it can be interpolated before it is cut.
 /// If `edge` is 0, each triangle has its own, a ball those whose middle it holds; a vertex then
 /// belongs to the part only if all triangles around it do, so that a bare part does not lower the
 /// fur beside it.

@@ -40,8 +40,7 @@ fn expected_box(world: &World) -> Vec3 {
 pub fn grid_bytes(world: &World) -> u64 {
     let fur = groom::has_guard(&world.scene) || groom::has_undercoat(&world.scene);
     let side = expected_box(world);
-    let flat = side.min_element() <= 0.0 || side.is_nan();
-    if !fur || flat {
+    if !fur || !side.is_finite() || side.max_element() <= 0.0 {
         return CELL_BYTES;
     }
     cells_of(side).1.to_array().map(u64::from).iter().product::<u64>() * CELL_BYTES
@@ -89,7 +88,7 @@ impl FurCells {
             .iter()
             .fold((Vec3::INFINITY, Vec3::NEG_INFINITY), |(low, high), p| (low.min(p.at), high.max(p.at)));
         let longest = (high - low).max_element();
-        if pieces.is_empty() || longest <= 0.0 || longest.is_nan() {
+        if pieces.is_empty() || longest <= 0.0 {
             return Self { grid: FurGrid::zeroed(), cells: vec![[0; 4]] };
         }
         let (cell, size) = cells_of(high - low);
@@ -182,7 +181,7 @@ fn undercoat_pieces(packed: &PackedGroom, shell: &Shell) -> Vec<Piece> {
         .map(|prism| volume(&shell.enter(prism), 0.5, Vec3::splat(1.0 / 3.0)))
         .collect();
     let whole: f64 = rough.iter().map(|v| f64::from(*v)).sum();
-    if whole <= 0.0 || whole.is_nan() {
+    if !whole.is_finite() || whole <= 0.0 {
         return Vec::new();
     }
     let of_prism = |prism: u32| {
