@@ -51,7 +51,7 @@ impl World {
         let mut notes = skin.notes.clone();
         notes.extend(objects.iter().flat_map(|o| o.surface.notes.iter().cloned()));
         if scene.render.fur == FurLayers::Shells && !objects.is_empty() {
-            notes.push("a picture of shells and fins does not show the scene's objects".into());
+            notes.push("a picture of shells and fins does not show the scene's objects, only their shadows on the fur".into());
         }
         notes.extend(stage::complete(&mut scene, &skin));
         let lights = crate::light::lights_of(&scene, assets, &mut notes)?;
