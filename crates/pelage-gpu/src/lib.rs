@@ -42,6 +42,9 @@ pub struct Gpu {
     sources: Sources,
     /// Results of [`Gpu::keep`] by type and key.
     kept: Mutex<HashMap<(TypeId, usize), Arc<dyn Any + Send + Sync>>>,
+    /// Held while the device is polled: wgpu panics where a wait times out while another thread's
+    /// finds the queue empty.
+    polling: Mutex<()>,
 }
 
 /// Errors that the device reported outside error scopes.
@@ -101,6 +104,7 @@ impl Gpu {
             faults,
             sources,
             kept: Mutex::default(),
+            polling: Mutex::default(),
         })
     }
 
@@ -134,7 +138,7 @@ impl Gpu {
         if !faults().errors.is_empty() {
             // Calls on a lost device fail in many ways; the loss itself may be reported only by
             // this poll.
-            self.device.poll(wgpu::PollType::Poll).ok();
+            self.poll(wgpu::PollType::Poll).ok();
         }
         let mut faults = faults();
         if let Some(reason) = faults.lost.clone() {
@@ -148,6 +152,11 @@ impl Gpu {
             Some(reason) => Err(Error::gpu(during, reason)),
             None => Ok(()),
         }
+    }
+
+    fn poll(&self, how: wgpu::PollType) -> std::result::Result<wgpu::PollStatus, wgpu::PollError> {
+        let _alone = self.polling.lock().unwrap_or_else(std::sync::PoisonError::into_inner);
+        self.device.poll(how)
     }
 
     /// Size of the largest buffer that fits one binding, bytes.
@@ -256,7 +265,7 @@ impl Gpu {
         /// Time between two looks at the flag.
         const SLICE: std::time::Duration = std::time::Duration::from_millis(100);
         loop {
-            match self.device.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(SLICE) }) {
+            match self.poll(wgpu::PollType::Wait { submission_index: None, timeout: Some(SLICE) }) {
                 Ok(_) => return self.check(during),
                 Err(wgpu::PollError::Timeout) if cancel::asked() => return Err(Error::Interrupted),
                 Err(wgpu::PollError::Timeout) => {}
