@@ -1,6 +1,6 @@
 //! A scene written as a commented file to begin from.
 
-use super::{Scene, schema};
+use super::{ObjectSpec, Scene, schema};
 use crate::{Error, Result};
 use toml::Value;
 
@@ -47,9 +47,14 @@ pub fn template(scene: &Scene, about: &str) -> Result<String> {
     for (name, value) in tables {
         match value {
             Value::Array(items) if base.get(name) != Some(value) => {
+                let usual = match name.as_str() {
+                    "objects" => Some(value_of(ObjectSpec::default())?),
+                    _ => None,
+                };
                 for item in items {
+                    let item = usual.as_ref().map_or_else(|| item.clone(), |usual| unusual(item, usual));
                     text += &format!("\n[[{name}]]\n");
-                    text += &lines(&[name, "0"], item, None, "");
+                    text += &lines(&[name, "0"], &item, None, "");
                 }
             }
             Value::Table(_) if base.get(name) != Some(value) || name == "environment" => {
@@ -68,6 +73,17 @@ pub fn template(scene: &Scene, about: &str) -> Result<String> {
         }
     }
     Ok(text)
+}
+
+/// What of a table differs from `usual`, in the tables within it too.
+fn unusual(table: &Value, usual: &Value) -> Value {
+    let (Some(table), Some(usual)) = (table.as_table(), usual.as_table()) else { return table.clone() };
+    let kept = table.iter().filter(|(key, value)| usual.get(*key) != Some(*value));
+    let less = |(key, value): (&String, &Value)| {
+        let value = usual.get(key).map_or_else(|| value.clone(), |usual| unusual(value, usual));
+        (key.clone(), value)
+    };
+    Value::Table(kept.map(less).collect())
 }
 
 /// The keys of table `name` that a person changes first, as comments; without those that differ
@@ -147,6 +163,7 @@ mod tests {
         let text = "preset = \"red_fox\"\n[mesh]\npath = \"a \\\"b\\\".obj\"\nsize = 30.1\n[camera]\neye = [0.1, 7.3, 1e3]\n\
             [[lights]]\nirradiance = [0.1, 0.2, 0.3]\n[[lights]]\ndirection = [0, 1, 0]\n\
             [environment]\ntint = [0.1, 0.7, 0.9]\n[guard]\nlength = { map = \"m.png\", value = 1.7 }\n\
+            [[objects]]\nname = \"eye\"\nmesh = { shape = \"sphere\", translate = [0, 1, 0] }\nmaterial = { roughness = 0.3 }\n\
             [guard.fibre]\nmodel = \"chiang\"\n[film]\nspp = 7\n[render.multiple]\nmodel = \"none\"\n";
         let scene = Scene::parse(text, "a", &[]).unwrap();
         let written = template(&scene, "A body.\n\nTwo.").unwrap();
@@ -159,6 +176,7 @@ mod tests {
         let bare = bare.replace("The coat, with the values above", "# The coat");
         assert_eq!(Scene::parse(&bare, "c", &[]).unwrap(), scene, "{bare}");
         assert!(written.contains("spp = 7"), "{written}");
+        assert!(written.contains("material = { roughness = 0.3 }"), "{written}");
         assert!(!written.contains("et al\n") && !written.contains("rotate = 0 "), "{written}");
         assert!(!written.contains("aperture"), "defaults are left out: {written}");
     }
