@@ -1,7 +1,7 @@
 //! What a scene does not give, as a photographer would choose it: where the body faces, a camera
 //! that frames the fur, and light.
 
-use crate::scene::{Camera, DirectionalLight, Environment, Framing, Front, Scene};
+use crate::scene::{Background, Camera, DirectionalLight, Environment, Framing, Front, Scene};
 use crate::skin::Skin;
 use glam::{Quat, Vec2, Vec3};
 use std::collections::HashSet;
@@ -17,8 +17,8 @@ const MARGIN: f32 = 0.06;
 const REACH: f32 = 0.85;
 
 /// Turns the coat to the body's front, chooses position and target of a camera with
-/// `frame = "auto"`, and the lights of a scene without lights and environment. Returns a note for
-/// each choice.
+/// `frame = "auto"`, the lights of a scene without lights and environment, and the environment of a
+/// scene that shows one and has none. Returns a note for each choice.
 pub fn complete(scene: &mut Scene, skin: &Skin) -> Vec<String> {
     let mut notes = Vec::new();
     let mut front = scene.mesh.front.take();
@@ -60,6 +60,12 @@ pub fn complete(scene: &mut Scene, skin: &Skin) -> Vec<String> {
             "light: the scene has none; a key, a fill and a rim light under a soft sky are chosen for the camera; \
              give [[lights]] or [environment] to choose others"
                 .into(),
+        );
+    }
+    if scene.film.background == Background::Environment && scene.environment.is_none() {
+        scene.environment = Some(soft_sky());
+        notes.push(
+            "background: the scene has no [environment] to show; a soft sky is added, which lights it too".into(),
         );
     }
     notes
@@ -193,8 +199,11 @@ fn lights_for(back: Vec3) -> (Vec<DirectionalLight>, Option<Environment>) {
         light(60.0, 15.0, [0.9, 0.95, 1.05]),
         light(155.0, 35.0, [4.2, 4.3, 4.5]),
     ];
-    let sky = Environment { tint: [0.80, 0.90, 1.0], intensity: 0.55, ..Environment::default() };
-    (lights, Some(sky))
+    (lights, Some(soft_sky()))
+}
+
+fn soft_sky() -> Environment {
+    Environment { tint: [0.80, 0.90, 1.0], intensity: 0.55, ..Environment::default() }
 }
 
 #[cfg(test)]

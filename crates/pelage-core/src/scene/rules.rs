@@ -117,12 +117,6 @@ fn relations(scene: &Scene) -> Vec<Broken> {
         "set film.plate to an image file",
     );
     rule(
-        film.background != Background::Environment || scene.environment.is_some(),
-        &["film.background", "environment"],
-        "film: background = \"environment\" but there is no [environment]",
-        "add an [environment] table",
-    );
-    rule(
         film.background != Background::Environment || scene.environment.as_ref().is_none_or(|e| e.visible),
         &["environment.visible", "film.background"],
         "environment: visible = false but film.background is \"environment\"",
