@@ -286,7 +286,18 @@ fn a_background_without_an_environment_is_a_sky() {
     pelage(&["check", &scene]).expect(0, note);
     let corner = |out: &str, args: &[&str]| {
         let out = folder.at(out);
-        let small = ["-o", &out, "--size", "16x10", "--spp", "1", "-D", "guard.density=1"];
+        let small = [
+            "-o",
+            &out,
+            "--size",
+            "16x10",
+            "--spp",
+            "1",
+            "-D",
+            "guard.density=1",
+            "-D",
+            "undercoat.density=10",
+        ];
         pelage(&[args, &[&scene], &small].concat()).expect(0, note);
         let film = io::read(Path::new(&out)).unwrap();
         ["R", "G", "B"].map(|name| film.plane(name).unwrap()[0])

@@ -164,7 +164,6 @@ fn inconsistent_values_are_faults() {
         ("[camera]\neye = [0, 5, 0]", "parallel"),
         ("[camera]\neye = [0, 0, 9]\nup = [0, 0, 0]", "up is zero"),
         ("[film]\nbackground = \"plate\"", "film.plate"),
-        ("[film]\nbackground = \"environment\"", "[environment]"),
         ("[[lights]]\ndirection = [0, 0, 0]", "lights.0.direction"),
         ("[guard]\nlength = { map = \"a.png\", value = -1, offset = -1 }", "negative everywhere"),
         ("[film]\nwidth = 32768\nheight = 32768", "pixels"),

@@ -65,7 +65,8 @@ pub fn complete(scene: &mut Scene, skin: &Skin) -> Vec<String> {
     if scene.film.background == Background::Environment && scene.environment.is_none() {
         scene.environment = Some(soft_sky());
         notes.push(
-            "background: the scene has no [environment] to show; a soft sky is added, which lights it too".into(),
+            "background: the scene has no [environment] to show; a soft sky is added, which lights it too"
+                .into(),
         );
     }
     notes
