@@ -30,7 +30,7 @@ struct GuardHairs {
 struct Coat {
     parameters: array<Parameter, 17>,
     hairs: GuardHairs,
-    lane: u32,              // half of a coverage row; 0xffffffff: the coat has no sections
+    lane: u32,              // half of a coverage row; 0xffffffff: the part chooses no region of the mesh
     bare: u32,              // 1: bare skin, without hairs of its own
     padding: vec2u,
 }

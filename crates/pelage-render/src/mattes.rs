@@ -7,8 +7,8 @@ use pelage_core::film::{Film, Metadata};
 use pelage_core::scene::{FurLayers, Scene};
 
 /// The sets of mattes of a scene's film, by name: `CryptoObject` (the body under the name of its
-/// mesh, and each object) and, except for shells and fins,
-/// whose layers cannot be told apart, `CryptoLayer`.
+/// mesh, and each object) and, except for shells and fins, whose layers cannot be told apart,
+/// `CryptoLayer`.
 pub fn sets(scene: &Scene) -> Vec<(&'static str, Vec<Matte>)> {
     let object = scene.mesh.name();
     if scene.render.fur == FurLayers::Shells {

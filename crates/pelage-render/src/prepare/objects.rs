@@ -4,6 +4,7 @@ use super::Prepared;
 use super::fur_grid::FurCells;
 use crate::passes::objects::Objects;
 use bytemuck::Zeroable;
+use pelage_core::scene::FurLayers;
 use pelage_core::{Result, Skin, World};
 use pelage_fur::groom::PackedGroom;
 use pelage_fur::layout::{ObjectMaterials, Prism, ShellVertex};
@@ -94,12 +95,12 @@ impl Prepared<'_> {
         self.objects.as_ref().map_or(0, |o| o.triangles)
     }
 
-    /// Uploads the materials of the objects and the grid of the fur's extinction, if there are
-    /// objects.
+    /// Uploads the materials of the objects and the grid of the fur's extinction, if objects are
+    /// drawn: pictures of shells and fins show their shadows alone.
     pub(super) fn prepare_objects(&mut self, world: &World, packed: &PackedGroom) -> Result<()> {
         let gpu = self.gpu;
         let triangles: usize = world.objects.iter().map(|o| o.surface.triangles.len()).sum();
-        if triangles == 0 {
+        if triangles == 0 || world.scene.render.fur == FurLayers::Shells {
             return Ok(());
         }
         let shell = Shell {
