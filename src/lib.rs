@@ -107,7 +107,6 @@ pub mod render {
     pub use pelage_core::stats::{PassTime, Stats, Step};
     pub use pelage_gpu::{AdapterSummary, Gpu, list_adapters};
     pub use pelage_render::mattes;
-    pub use pelage_render::prepare::grid_bytes as fur_grid_bytes;
     pub use pelage_render::strands::strands;
     pub use pelage_render::{Frame, Progress, RenderOptions, open};
     pub use pelage_shells::{render, render_on, render_with};

@@ -9,7 +9,7 @@ use pelage::scene::Scalar;
 use pelage::{Error, Result, Scene, World};
 use pelage_core::scene::Coat;
 use pelage_fur::extent::Extent;
-use pelage_render::prepare::{lattice_bytes, stores_undercoat, strand_bytes};
+use pelage_render::prepare::{grid_bytes, lattice_bytes, stores_undercoat, strand_bytes};
 use serde::Serialize;
 
 #[derive(Debug, Args)]
@@ -131,7 +131,7 @@ fn bytes(world: &World, counts: &Counts) -> Result<Bytes> {
     Ok(Bytes {
         skin: counts.vertices * VERTEX + counts.triangles * TRIANGLE,
         objects: if counts.objects > 0 {
-            counts.object_triangles * OBJECT_TRIANGLE + pelage::render::fur_grid_bytes(world)
+            counts.object_triangles * OBJECT_TRIANGLE + grid_bytes(world)
         } else {
             0
         },

@@ -25,6 +25,9 @@ pub use metadata::Metadata;
 
 use crate::{Error, Result};
 
+/// The largest half float.
+pub const LARGEST_HALF: f32 = 65504.0;
+
 /// An image of named planes, row by row from the top, `width * height` values each.
 ///
 /// `R G B` are linear and premultiplied by `A`; the others are named as pbrt's film and Blender

@@ -4,6 +4,7 @@ pub mod environment;
 pub mod probe;
 
 use crate::assets::Assets;
+use crate::film::LARGEST_HALF;
 use crate::scene::{Environment, Shading};
 use crate::{Error, Result, Scene, SceneFault};
 use environment::{Panorama, map_from_world, median_cut, uniform_sky};
@@ -14,9 +15,6 @@ pub const MAX_LIGHTS: usize = 64;
 
 /// Largest number of directional lights made from an environment map.
 pub const MAX_ENVIRONMENT_LIGHTS: u32 = 64;
-
-/// The largest half float.
-const LARGEST: f32 = 65504.0;
 
 /// A directional light.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -107,7 +105,7 @@ pub fn lights_of(scene: &Scene, assets: &Assets, notes: &mut Vec<String>) -> Res
 
 /// Which lights are so bright that what they light may not fit into half floats.
 fn note_of_bright(lights: &[Light]) -> Option<String> {
-    let bright = |l: &&Light| l.irradiance.max_element() > LARGEST;
+    let bright = |l: &&Light| l.irradiance.max_element() > LARGEST_HALF;
     let first = lights.iter().find(bright)?;
     let name = if first.environment {
         "of the environment's lights".to_owned()
@@ -120,7 +118,7 @@ fn note_of_bright(lights: &[Light]) -> Option<String> {
     };
     let largest = lights.iter().filter(bright).map(|l| l.irradiance.max_element()).fold(0.0, f32::max);
     Some(format!(
-        "light: {} with an irradiance up to {largest} ({name}), beyond {LARGEST}, the largest half float: bright \
+        "light: {} with an irradiance up to {largest} ({name}), beyond {LARGEST_HALF}, the largest half float: bright \
          parts of the picture may be cut there. Divide all lights by the same factor and raise film.exposure \
          by its stops",
         lights.iter().filter(bright).count()

@@ -1,7 +1,7 @@
 //! Image maps of the groom.
 
 use crate::assets::Assets;
-use crate::film::io;
+use crate::film::{LARGEST_HALF, io};
 use crate::scene::{Coat, Color, MeshSpec, Part, Scalar};
 use crate::{Error, Result, Scene};
 use glam::{Vec2, Vec3, Vec4};
@@ -12,9 +12,6 @@ pub const VERTEX_COLOR: &str = "vertex_color";
 
 /// Images that are wider or higher than this many texels are reduced to it.
 pub const MAX_SIDE: u32 = 2048;
-
-/// Largest value of a map: the largest half float.
-const LARGEST: f32 = 65504.0;
 
 /// Length that an image covers at scale 1 where it is looked up without uv, cm.
 pub const TRIPLANAR_CM: f32 = 10.0;
@@ -133,20 +130,9 @@ fn maps_of_part<'a>(scene: &'a Scene, part: &'a Part) -> Vec<(&'a str, &'a str, 
 /// The images of a coat, scalars first.
 fn maps_of_coat<'a>(coat: &Coat<'a>) -> Vec<(&'a str, &'a str, bool)> {
     let (guard, undercoat) = (coat.guard, coat.undercoat);
-    let scalars = [
-        &guard.density,
-        &guard.length,
-        &guard.thickness,
-        &guard.comb,
-        &guard.clump,
-        &guard.curl,
-        &guard.frizz,
-        &undercoat.density,
-        &undercoat.height,
-    ];
     let colors =
         [&guard.color_root, &guard.color_tip, &undercoat.color_root, &undercoat.color_tip, &coat.base.color];
-    let scalars = scalars.into_iter().filter_map(|s| match s {
+    let scalars = coat.scalars().into_iter().filter_map(|(_, scalar)| match scalar {
         Scalar::Mapped(m) => Some((m.map.as_str(), m.layer.as_str(), false)),
         Scalar::Constant(_) => None,
     });
@@ -185,8 +171,8 @@ impl MapImage {
             for (c, v) in texel.iter_mut().enumerate() {
                 if !v.is_finite() {
                     (*v, odd) = (0.0, odd + 1);
-                } else if v.abs() > LARGEST {
-                    (*v, large) = (v.clamp(-LARGEST, LARGEST), large + 1);
+                } else if v.abs() > LARGEST_HALF {
+                    (*v, large) = (v.clamp(-LARGEST_HALF, LARGEST_HALF), large + 1);
                 }
                 if self.color && c < 3 && *v < 0.0 {
                     (*v, negative) = (0.0, negative + 1);
@@ -196,7 +182,7 @@ impl MapImage {
         let note = |n: usize, what: String| (n > 0).then(|| format!("{n} values {what}"));
         let all = [
             note(odd, "that are not finite numbers, set to 0".into()),
-            note(large, format!("beyond {LARGEST}, the largest half float, cut to it")),
+            note(large, format!("beyond {LARGEST_HALF}, the largest half float, cut to it")),
             note(negative, "of colours below 0, set to 0".into()),
         ];
         all.into_iter().flatten().collect()

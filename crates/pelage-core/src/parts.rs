@@ -47,7 +47,7 @@ pub fn check(scene: &Scene, skin: &Skin) -> Result<()> {
                     let list = known.iter().map(|n| format!("\"{n}\"")).collect::<Vec<_>>().join(", ");
                     let message = format!("parts.{i}.{key}: the mesh has no {key} \"{name}\"");
                     let help = match known.is_empty() {
-                        true => format!("it has no {plural}: give a mask instead"),
+                        true => format!("it has no {plural}: give balls or a mask instead"),
                         false => format!("its {plural} are {list}"),
                     };
                     faults.push(fault(place, message, help));

@@ -33,7 +33,7 @@ pub enum Parameter {
 
 /// Source of a parameter that a coat leaves as it is below.
 pub const SOURCE_BELOW: u32 = 4;
-/// Lane of a coat whose part chooses no groups or materials.
+/// Lane of a coat whose part chooses no region of the mesh.
 pub const NO_LANE: u32 = u32::MAX;
 
 /// A point of the skin at which parameters are evaluated.

@@ -180,9 +180,9 @@ impl Scene {
     }
 }
 
-impl Coat<'_> {
-    /// Scalar parameters that must not be negative, with their keys.
-    pub(super) fn scalars(&self) -> [(&'static str, &Scalar); 9] {
+impl<'a> Coat<'a> {
+    /// Scalar parameters, which must not be negative, with their keys.
+    pub(crate) fn scalars(&self) -> [(&'static str, &'a Scalar); 9] {
         let (guard, undercoat) = (self.guard, self.undercoat);
         [
             ("guard.density", &guard.density),

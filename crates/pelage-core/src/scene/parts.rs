@@ -63,7 +63,7 @@ pub(super) fn once(mut found: Vec<(String, SceneFault)>) -> Vec<(String, SceneFa
     kept
 }
 
-/// Records where parts choose groups and materials, for the faults that only the mesh shows.
+/// Records where parts choose a region, for the faults that only the mesh shows.
 pub(super) fn locate(scene: &mut Scene, tree: &Node, sources: &Sources) {
     for (i, part) in scene.parts.iter_mut().enumerate() {
         part.places = ["group", "material", "balls"].map(|key| {

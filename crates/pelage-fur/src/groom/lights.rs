@@ -3,8 +3,8 @@
 use crate::layout::{Light, LightParameters, MAX_LIGHTS};
 use crate::material::spreads;
 use bytemuck::Zeroable;
-use glam::Vec3;
 use pelage_core::World;
+use pelage_core::film::tonemap::luminance;
 
 /// Packs the lights; the key lights are the two brightest of those that light the undercoat, by
 /// luminance.
@@ -24,7 +24,7 @@ pub(super) fn pack_lights(world: &World) -> (LightParameters, Vec<Light>) {
         .collect();
     let mut order: Vec<usize> = (0..lights.len()).filter(|i| lights[*i].undercoat == 1).collect();
     order.sort_by(|a, b| {
-        let power = |i: usize| world.lights[i].irradiance.dot(Vec3::new(0.2126, 0.7152, 0.0722));
+        let power = |i: usize| luminance(world.lights[i].irradiance);
         power(*b).total_cmp(&power(*a))
     });
     let mut parameters = LightParameters {
